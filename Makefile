@@ -1,0 +1,54 @@
+# narrows: every target works from a bare clone and can be repeated.
+PYTHON ?= python3
+BIN := .venv/bin
+OUT ?= out
+
+export OMP_NUM_THREADS ?= 1
+export PIP_DISABLE_PIP_VERSION_CHECK = 1
+
+.DEFAULT_GOAL := help
+.PHONY: help setup setup-dev demo test fast lint bench lock clean
+
+help: ## list the targets
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | awk -F'\t' '{printf "  make %-10s %s\n", $$1, $$2}'
+
+setup: .venv/.user-stamp ## make .venv with narrows in its bin, from the lock file
+setup-dev: .venv/.dev-stamp
+
+.venv/bin/python:
+	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "narrows needs Python 3.11 or newer; call make PYTHON=python3.11")'
+	$(PYTHON) -m venv .venv
+
+.venv/.user-stamp: requirements/user.lock pyproject.toml | .venv/bin/python
+	$(BIN)/python -m pip install --quiet --require-hashes -r requirements/user.lock
+	$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation --editable .
+	@touch $@
+
+.venv/.dev-stamp: requirements/dev.lock .venv/.user-stamp
+	$(BIN)/python -m pip install --quiet --require-hashes -r requirements/dev.lock
+	@touch $@
+
+demo: setup ## plan and drive the example door; trajectory, picture and record into out/
+	@mkdir -p $(OUT)
+	$(BIN)/narrows drive examples/scenes/door.yaml --trajectory-out $(OUT)/door.csv --record $(OUT)/door-record.csv --picture $(OUT)/door.png
+
+lint: setup-dev ## ruff, format check, mypy --strict
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+test: lint ## lint, then every test, slow ones too
+	$(BIN)/pytest -n auto -q
+
+fast: setup-dev ## the tests that take seconds
+	$(BIN)/pytest -n auto -q -m "not slow"
+
+bench: setup-dev ## benchmarks, with their ratios to the plain formulation
+	$(BIN)/pytest tests/benchmarks --benchmark-enable --benchmark-only --benchmark-sort=name
+
+lock: ## write both lock files again (needs uv)
+	uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-emit-index-url --no-emit-find-links --no-header pyproject.toml requirements/build.in -o requirements/user.lock
+	uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-emit-index-url --no-emit-find-links --no-header pyproject.toml requirements/build.in --extra dev -c requirements/user.lock -o requirements/dev.lock
+
+clean: ## remove .venv and out/
+	rm -rf .venv $(OUT)
