@@ -66,7 +66,7 @@ def edge_normals(polygons: Array) -> Array:
     edge = np.roll(polygons, -1, axis=-2) - polygons
     length = np.linalg.norm(edge, axis=-1, keepdims=True)
     edge = np.divide(edge, length, out=np.zeros_like(edge), where=length > 0.0)
-    return np.asarray(np.stack([edge[..., 1], -edge[..., 0]], axis=-1))
+    return np.asarray(np.stack([edge[..., 1], -edge[..., 0]], axis=-1), dtype=float)
 
 
 class Separation(NamedTuple):

@@ -144,7 +144,7 @@ class Vehicle:
             return self.layers[0].polygon
         points = np.concatenate([layer.polygon for layer in self.layers])
         hull = shapely.MultiPoint(points).convex_hull
-        return convex_polygon(np.asarray(hull.exterior.coords)[:-1])
+        return convex_polygon(shapely.get_coordinates(hull)[:-1])
 
     @property
     def height(self) -> float:
