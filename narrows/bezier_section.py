@@ -105,7 +105,7 @@ class BezierSection:
         """Number of cubic curves."""
         return len(self.control)
 
-    def _locate(self, progress: Array) -> tuple[NDArray[np.int64], Array]:
+    def locate(self, progress: Array) -> tuple[NDArray[np.int64], Array]:
         """Return the curve and its parameter at arc lengths (N,), by Newton's method."""
         s = np.clip(progress, 0.0, self.span)
         ends = self._table_length[:, -1]
@@ -137,7 +137,7 @@ class BezierSection:
         (-kappa sin phi, kappa cos phi, d kappa / ds).
         """
         s = np.asarray(progress, dtype=float)
-        curve, u = self._locate(s.ravel())
+        curve, u = self.locate(s.ravel())
         control = self.control[curve]
         velocity = bezier.evaluate(control, u, 1)
         speed = np.linalg.norm(velocity, axis=-1)

@@ -16,7 +16,10 @@ Not finding a path is not an error: planners return a status (`narrows.interface
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
+
+_OTHERS_SHOWN = 3  # further errors spelled out in a message
 
 
 class NarrowsError(Exception):
@@ -33,6 +36,7 @@ class InputError(NarrowsError, ValueError):
         field: Dotted path of the field, such as `vehicle.body.width`, or None.
         value: The value found, or None where it says nothing.
         allowed: What would be accepted, or None where the problem says it.
+        others: Further errors found in the same input, in the order of its lines.
     """
 
     def __init__(
@@ -44,6 +48,7 @@ class InputError(NarrowsError, ValueError):
         field: str | None = None,
         value: Any = None,
         allowed: str | None = None,
+        others: Sequence[InputError] = (),
     ) -> None:
         """Keep the parts and compose the message."""
         self.problem = problem
@@ -52,7 +57,13 @@ class InputError(NarrowsError, ValueError):
         self.field = field
         self.value = value
         self.allowed = allowed
-        super().__init__(self._message())
+        self.others = tuple(others)
+        super().__init__("\n".join(self._lines()))
+
+    def _lines(self) -> list[str]:
+        shown = [self._message(), *(f"also {other}" for other in self.others[:_OTHERS_SHOWN])]
+        hidden = len(self.others) - _OTHERS_SHOWN
+        return [*shown, f"and {hidden} more"] if hidden > 0 else shown
 
     def _message(self) -> str:
         place = ""

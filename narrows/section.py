@@ -52,6 +52,10 @@ class Section(Protocol):
         """Return the pose or its first or second derivative by progress, shape (..., 3)."""
         ...
 
+    def locate(self, progress: Array) -> tuple[NDArray[np.int64], Array]:
+        """Return the piece and its local parameter at progress, shapes (N,)."""
+        ...
+
     def progress_at(self, piece: NDArray[np.int64], parameter: Array) -> Array:
         """Return the progress at local parameters of pieces, shapes (N,)."""
         ...

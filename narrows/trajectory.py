@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -132,7 +133,7 @@ class Trajectory:
         if self.sampled:
             ends = np.unique(np.concatenate([ends, self.profile.breaks]))
         rows = [np.zeros(1)]
-        for start, end in zip(ends[:-1], ends[1:], strict=True):
+        for start, end in pairwise(ends):
             if end - start <= 1e-12:
                 continue
             fine = np.linspace(start, end, max(2, int(np.ceil((end - start) / ROW_TIME)) + 1))

@@ -87,7 +87,8 @@ class TwistSection:
         """Number of twists."""
         return len(self.poses) - 1
 
-    def _locate(self, progress: Array) -> tuple[NDArray[np.int64], Array]:
+    def locate(self, progress: Array) -> tuple[NDArray[np.int64], Array]:
+        """Return the twist and the fraction of it driven at progress, shapes (N,)."""
         s = np.clip(progress, 0.0, self.span)
         piece = np.minimum(np.searchsorted(self._ends, s, side="left"), self.pieces - 1)
         length = self._lengths[piece]
@@ -99,7 +100,7 @@ class TwistSection:
         At a joint of two twists derivatives are those of the piece that ends there.
         """
         s = np.asarray(progress, dtype=float)
-        piece, fraction = self._locate(s.ravel())
+        piece, fraction = self.locate(s.ravel())
         twist = self.twists[piece]
         pose = compose(self.poses[piece], exponential(fraction[:, None] * twist))
         rate = twist / self._lengths[piece][:, None]

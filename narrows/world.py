@@ -35,12 +35,15 @@ class Solid:
         radius: Radius of the circle, 0 for a polygon [m].
         z: Lowest and highest point above the floor [m].
         name: Name for people.
+        parts: Convex polygons (K, 2), counter-clockwise, whose union is the polygon, where the
+            maker has them (a grid map's rectangles); empty: found when they are asked for.
     """
 
     shape: shapely.Polygon | shapely.Point
     radius: float = 0.0
     z: tuple[float, float] = FLOOR_TO_CEILING
     name: str = ""
+    parts: tuple[Array, ...] = ()
 
     def __post_init__(self) -> None:
         """Check shape, radius and heights."""
@@ -79,6 +82,8 @@ class Solid:
         """Convex polygons (K, 2), or one point, whose union grown by `radius` is the area."""
         if isinstance(self.shape, shapely.Point):
             return (np.array([[self.shape.x, self.shape.y]]),)
+        if self.parts:
+            return self.parts
         return tuple(convex_pieces(self.shape))
 
 
@@ -151,15 +156,15 @@ class ConvexPieces:
         corners: Corners counter-clockwise, shape (P, K, 2), [m]; short ones repeat their last.
         radius: What each piece is grown by, shape (P,), [m].
         owner: Index into `World.solids` of the solid each piece belongs to, shape (P,).
-        center: Centre of each piece's box, shape (P, 2), [m].
-        reach: Radius about the centre that holds the grown piece, shape (P,), [m].
+        low: Lower corner of the box of each grown piece, shape (P, 2), [m].
+        high: Upper corner of that box, shape (P, 2), [m].
     """
 
     corners: Array
     radius: Array
     owner: NDArray[np.int64]
-    center: Array
-    reach: Array
+    low: Array
+    high: Array
 
     def __len__(self) -> int:
         """Return the number of pieces."""
@@ -219,7 +224,6 @@ class World:
             corners[row, len(piece) :] = piece[-1]
         radius = np.array([r for _, r, _ in found], dtype=float)
         owner = np.array([i for _, _, i in found], dtype=np.int64)
-        center = 0.5 * (corners.min(axis=1) + corners.max(axis=1)) if found else np.zeros((0, 2))
-        spread = np.linalg.norm(corners - center[:, None], axis=2)
-        reach = (spread.max(axis=1) if found else np.zeros(0)) + radius
-        return ConvexPieces(corners, radius, owner, center, reach)
+        low = corners.min(axis=1) - radius[:, None]
+        high = corners.max(axis=1) + radius[:, None]
+        return ConvexPieces(corners, radius, owner, low, high)
