@@ -1,0 +1,1 @@
+"""Planners: from a scene to a certified trajectory."""
