@@ -92,10 +92,11 @@ def certify(
     is judged against what stands still. The cost grows with the length driven near contact.
 
     >>> from narrows.world import Solid
-    >>> wall = Solid.polygon([[0, 0.5], [3, 0.5], [3, 0.6], [0, 0.6]], name="wall")
+    >>> wall = Solid.polygon([[3, -1], [3.1, -1], [3.1, 1], [3, 1]], name="wall")
     >>> chair = Vehicle.rectangle(1.0, 0.8, 0.2)
-    >>> certify(World((wall,)), chair, Path.from_poses([[0, 0, 0], [2, 0, 0]])).reason
-    'clear by 100.0 mm, least against wall at (0.03, 0.00)'
+    >>> certificate = certify(World((wall,)), chair, Path.from_poses([[0, 0, 0], [2, 0, 0]]))
+    >>> certificate.is_clear, certificate.against, round(certificate.clearance, 2)
+    (True, 'wall', 0.2)
 
     Args:
         world: Solids, bounds, moving solids.
