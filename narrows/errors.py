@@ -66,9 +66,10 @@ class InputError(NarrowsError, ValueError):
         return [*shown, f"and {hidden} more"] if hidden > 0 else shown
 
     def _message(self) -> str:
-        place = ""
-        if self.file is not None:
-            place = f"{self.file}:{self.line}: " if self.line is not None else f"{self.file}: "
+        where_in_file = [str(part) for part in (self.file, self.line) if part is not None]
+        if self.file is None and self.line is not None:
+            where_in_file = [f"line {self.line}"]
+        place = f"{':'.join(where_in_file)}: " if where_in_file else ""
         where = f"{self.field}: " if self.field else ""
         found = ""
         if self.value is not None:

@@ -99,8 +99,14 @@ def field_name(path: Sequence[Step]) -> str:
     >>> field_name(("world", "solids", 2, "z"))
     'world.solids[2].z'
     """
-    text = "".join(f"[{step}]" if isinstance(step, int) else f".{step}" for step in path)
+    text = "".join(f"[{s}]" if isinstance(s, int) else f".{printable(s)}" for s in path)
     return text.removeprefix(".")
+
+
+def printable(text: str) -> str:
+    """Return text shortened to 40 characters, with those escaped that a terminal cannot show."""
+    short = text if len(text) <= 40 else text[:37] + "..."
+    return short if short.isprintable() else repr(short)[1:-1]
 
 
 def read_source(text: str, file: str | None) -> Source:
@@ -191,7 +197,11 @@ class _Reader:
         if isinstance(event, AliasEvent):
             return self._repeated(event)
         if getattr(event, "tag", None) is not None:
-            raise self._error(line, f"the tag {event.tag} is not understood", "values without tags")
+            raise self._error(
+                line,
+                f"the tag {printable(str(event.tag))} is not understood",
+                "values without tags",
+            )
         if isinstance(event, ScalarEvent):
             node = Located(_scalar(event.value) if event.style is None else event.value, line)
         elif isinstance(event, SequenceStartEvent):
@@ -228,7 +238,9 @@ class _Reader:
             key = str(event.value)
             if key in entries:
                 first = entries[key].line
-                raise self._error(here, f"the key {key[:40]!r} is given twice", None, first=first)
+                raise self._error(
+                    here, f"the key '{printable(key)}' is given twice", None, first=first
+                )
             if key == "<<":
                 raise self._error(here, "merge keys (<<) are not understood", "the keys in full")
             found = self._node(next(self._events), depth + 1)
@@ -244,7 +256,9 @@ class _Reader:
         target = self._anchors.get(event.anchor)
         if target is None:
             raise self._error(
-                _line(event), f"the alias *{event.anchor} has no finished anchor before it", None
+                _line(event),
+                f"the alias *{printable(event.anchor)} has no finished anchor before it",
+                None,
             )
         self._aliased += target.count
         if self._aliased > _MOST_ALIASED:
