@@ -1,0 +1,89 @@
+"""Claims about tables in memory, in CSV and in half-written files."""
+
+import math
+import os
+
+import numpy as np
+import pytest
+
+from narrows.errors import StudyError
+from narrows.studies.files import write_whole
+from narrows.studies.table import Table, read_csv
+
+TABLE = Table(
+    ("width", "chair"),
+    ("width", "chair", "spare", "note", "status", "reason"),
+    (
+        {"width": 0.9, "chair": "b", "spare": 1e-17, "note": None, "status": "done", "reason": ""},
+        {"width": 10, "chair": "a", "spare": None, "note": 3, "status": "failed", "reason": "x,y"},
+        {
+            "width": 0.9,
+            "chair": "a",
+            "spare": math.inf,
+            "note": "t",
+            "status": "done",
+            "reason": "",
+        },
+    ),
+)
+
+
+def test_rows_are_sorted_by_the_value_of_the_keys_not_their_text():
+    assert [(row["width"], row["chair"]) for row in TABLE.rows] == [
+        (0.9, "a"), (0.9, "b"), (10, "a"),
+    ]  # fmt: skip
+
+
+def test_columns_are_arrays_with_nan_where_a_row_has_nothing():
+    np.testing.assert_array_equal(TABLE.column("spare"), [math.inf, 1e-17, math.nan])
+    assert TABLE.column("note").tolist() == ["t", None, 3]
+    assert TABLE.done.column("width").tolist() == [0.9, 0.9]
+    assert len(TABLE.where(chair="a", width=10)) == 1
+
+
+def test_an_unknown_column_names_the_nearest():
+    for ask in (TABLE.column, lambda name: TABLE.where(**{name: 1})):
+        with pytest.raises(StudyError, match=r"found 'spar'; allowed: spare\?"):
+            ask("spar")
+
+
+def test_csv_reads_back_exactly(tmp_path):
+    TABLE.write_csv(tmp_path / "t.csv")
+    back = read_csv(tmp_path / "t.csv", ("width", "chair"))
+    assert back.columns == TABLE.columns
+    expected = [{**row, "reason": row["reason"] or None} for row in TABLE.rows]
+    assert list(back.rows) == expected
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b"", "lacks key columns"),
+        (b"a,b\n1,2\n", "1: the table lacks key columns"),
+        (b"width,chair\n1\n", "2: the row has 1 cells, the header 2"),
+        (b"width,chair\n\xff,1\n", "cannot be read"),
+        (None, "cannot be read"),
+    ],
+)
+def test_csv_that_is_no_table_is_refused_with_its_place(tmp_path, content, said):
+    file = tmp_path / "t.csv"
+    if content is not None:
+        file.write_bytes(content)
+    with pytest.raises(StudyError) as refused:
+        read_csv(file, ("width", "chair"))
+    assert said in str(refused.value)
+    assert str(file) in str(refused.value)
+
+
+def test_a_file_that_cannot_be_written_whole_stays_what_it_was(tmp_path, monkeypatch):
+    file = tmp_path / "t.csv"
+    write_whole(file, "old")
+
+    def no_space(*_):
+        raise OSError("no space left")
+
+    monkeypatch.setattr(os, "replace", no_space)
+    with pytest.raises(OSError, match="no space"):
+        write_whole(file, "new")
+    assert file.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [file]
