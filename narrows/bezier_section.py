@@ -52,7 +52,7 @@ class BezierSection:
         if speed.min() <= 1e-6 * max(float(speed.max()), 1e-9):
             raise ShapeError("a curve stands still: its heading is undefined there")
         bend = np.abs(wrap(np.diff(self._joint_angles, axis=0)))
-        if len(bend) and bend.max() > JOINT_TOLERANCE:
+        if bend.size and bend.max() > JOINT_TOLERANCE:
             raise ShapeError(f"curves join with a bend of {bend.max():.3g} rad")
 
     @cached_property
