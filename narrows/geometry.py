@@ -15,6 +15,8 @@ from .se2 import Array
 def convex_polygon(vertices: ArrayLike) -> Array:
     """Return the vertices of a convex polygon counter-clockwise, repeated points removed.
 
+    So are dents of less than 1e-9 of its size, which rounding leaves on straight edges.
+
     >>> convex_polygon([[0, 0], [0, 1], [1, 1], [1, 0]])
     array([[1., 0.],
            [1., 1.],
@@ -39,8 +41,7 @@ def convex_polygon(vertices: ArrayLike) -> Array:
     points = points[np.linalg.norm(points - np.roll(points, 1, axis=0), axis=1) > 1e-9 * size]
     if len(points) < 3 or size == 0.0:
         raise ShapeError("a polygon needs at least 3 different corners")
-    x, y = points.T
-    area = 0.5 * float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
+    area = _signed_area(points)
     if abs(area) <= 1e-9 * size**2:
         raise ShapeError("the polygon has no area")
     if area < 0.0:
@@ -51,7 +52,29 @@ def convex_polygon(vertices: ArrayLike) -> Array:
     total = float(np.sum(np.arctan2(turn, np.sum(edge * following, axis=1))))
     if turn.min() < -1e-9 * size**2 or abs(total - 2.0 * np.pi) > 1e-6:
         raise ShapeError("the polygon is not convex")
-    return points
+    return points if turn.min() >= 0.0 else _without_dents(points, 1e-9 * size)
+
+
+def _without_dents(points: Array, depth: float) -> Array:
+    """Return the convex hull of a counter-clockwise polygon whose dents are a hair deep.
+
+    The sides of the shallowest dent may be steep, and every edge of a convex polygon counts as a
+    separating axis: a dent that stays would part the polygon from what overlaps it elsewhere.
+
+    Raises:
+        ShapeError: If a dent is deeper than allowed.
+    """
+    outline = shapely.get_exterior_ring(shapely.MultiPoint(points).convex_hull)
+    if (shapely.distance(shapely.points(points), outline) > depth).any():
+        raise ShapeError("the polygon is not convex")
+    ring = shapely.get_coordinates(outline)[:-1]
+    return ring if shapely.is_ccw(outline) else ring[::-1].copy()
+
+
+def _signed_area(points: Array) -> float:
+    """Return the area inside the corners (M, 2), positive if they run counter-clockwise [m^2]."""
+    x, y = (points - points[0]).T
+    return 0.5 * float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
 
 
 def edge_normals(polygons: Array) -> Array:
@@ -189,7 +212,8 @@ def _is_convex(points: Array) -> bool:
 
 def _merge_convex(triangles: list[Array]) -> list[Array]:
     """Return the triangles with neighbours merged across shared edges while convex."""
-    pieces: dict[int, Array] = {i: convex_polygon(t) for i, t in enumerate(triangles)}
+    # No check of the triangles: slivers beside nearly straight edges are pieces like the others.
+    pieces = {i: t if _signed_area(t) > 0.0 else t[::-1] for i, t in enumerate(triangles)}
     owner: dict[tuple[tuple[float, float], tuple[float, float]], int] = {}
     for key, piece in pieces.items():
         for start, end in _edges(piece):
