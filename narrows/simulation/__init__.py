@@ -1,0 +1,1 @@
+"""The simulated chair: drives a plan, records what happened, judges it."""
