@@ -110,10 +110,11 @@ def find_contacts(world: World, vehicle: Vehicle, control: Array, margin: float)
     if not len(pairs.distance):
         x, y = (float(v) for v in control[0, 0])
         return Contacts(slots.ravel(), active, np.inf, (x, y), -1)
-    finer = _finer_places(pairs, margin)
-    if len(finer):
-        more = _near_pairs(world, vehicle, control, finer, margin + NEAR)
-        pairs = _Pairs.joined([pairs, more])
+    for step in (1.0 / SAMPLES, 0.25 / SAMPLES):
+        finer = _finer_places(pairs, margin, step)
+        if len(finer):
+            more = _near_pairs(world, vehicle, control, finer, margin + NEAR)
+            pairs = _Pairs.joined([pairs, more])
     chosen = _spread(pairs)[:SLOTS]
     slots[: len(chosen)] = pairs.slot[chosen]
     active[: 2 * len(chosen)] = True
@@ -127,14 +128,14 @@ def find_contacts(world: World, vehicle: Vehicle, control: Array, margin: float)
     )
 
 
-def _finer_places(pairs: _Pairs, margin: float) -> Array:
+def _finer_places(pairs: _Pairs, margin: float, step: float) -> Array:
     """Return places about the nearest sample of every piece that is nearly too near."""
     tight = pairs.distance < margin + 0.05
     found: list[float] = []
     for group in np.unique(pairs.group[tight]):
         rows = np.flatnonzero(pairs.group == group)
         nearest = pairs.place[rows[pairs.distance[rows].argmin()]]
-        found += [float(nearest + step / SAMPLES) for step in FINER]
+        found += [float(nearest + step * part) for part in FINER]
     places = np.unique(np.array(found))
     return places[(places > 0.0) & (places < 2.0)]
 

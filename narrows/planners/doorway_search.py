@@ -197,7 +197,7 @@ class _Improved:
 
 
 def _improve(task: DoorwayTask, initial: Array, *, rounds: int = 12) -> _Improved:
-    """Improve one start until the program promises no more than a hundredth."""
+    """Improve one start until the program promises less than 0.2 %."""
     solver = doorway_solver(task.smoothness, task.solver)
     point, merit, cost = initial, math.inf, math.inf
     contacts = _contacts(task, point)
@@ -221,7 +221,7 @@ def _improve(task: DoorwayTask, initial: Array, *, rounds: int = 12) -> _Improve
             cost = _cost(trial)
         else:
             radius = 0.3 * step
-        if promised < 0.01 * merit or radius < 1e-3:
+        if promised < 0.002 * merit or radius < 1e-3:
             break
     return _Improved(point if accepted else None, cost, solves, iterations)
 
