@@ -1,0 +1,245 @@
+"""The network of a heading graph: what joins what, and at what cost one may hope it does.
+
+Vertices are the free cells of a `HeadingGraph`, start, goal, and the outside of the window. Sure
+edges cost next to nothing. An edge through a possible join costs 1, one that leaves the window
+`OUTSIDE`, one through what further cuts cannot decide `UNDECIDABLE`. The cheapest way from start
+to goal then says what to do next: believe it, refine it, look further, or give up.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import dijkstra
+
+from ..se2 import Array
+from .heading_graph import EPSILON, CellSet, HeadingGraph, Indices, locate
+
+SURE = 1e-6
+OUTSIDE = 1e3
+UNDECIDABLE = 1e6
+_START, _GOAL, _BEYOND = 0, 1, 2
+
+
+@dataclass(eq=False)
+class PassageNetwork:
+    """Edges between the cells of a heading graph, rebuilt as the graph is refined.
+
+    Attributes:
+        graph: The cells.
+        finest: Intervals narrower than this are not refined [rad].
+    """
+
+    graph: HeadingGraph
+    finest: float
+    anomalies: int = field(default=0, init=False)
+    start_is_free: bool = field(default=False, init=False)
+    start_is_possible: bool = field(default=False, init=False)
+    _down: dict[float, Indices] = field(default_factory=dict, init=False)
+    _sure_links: dict[tuple[float, float], tuple[Indices, Indices]] = field(
+        default_factory=dict, init=False
+    )
+    _possible_links: dict[tuple[float, float], tuple[Indices, Indices]] = field(
+        default_factory=dict, init=False
+    )
+
+    def build(self, *, possible: bool) -> None:
+        """Find vertices and edges of the graph as it is cut now."""
+        self.anomalies = 0
+        self._first: dict[tuple[str, float], int] = {}
+        self._edges: list[tuple[int, int, float]] = []
+        self._vertices = 3
+        headings = self.graph.headings
+        self._spans = list(zip(headings, [*headings[1:], headings[0]], strict=True))
+        self._number("sure", self.graph.sure_nodes, headings)
+        self._number("turn", self.graph.sure_joins, headings)
+        self._join_surely()
+        self._attach_ends_surely()
+        self._sure_edge_count = len(self._edges)
+        if possible:
+            self._number("hair", self.graph.possible_nodes, headings)
+            self._number("join", self.graph.possible_joins, headings)
+            self._join_possibly()
+            self._attach_ends_possibly()
+
+    def _number(self, kind: str, sets: dict[float, CellSet], headings: list[float]) -> None:
+        for heading in headings:
+            self._first[kind, heading] = self._vertices
+            self._vertices += len(sets[heading].cells)
+
+    def _link(
+        self,
+        store: dict[tuple[float, float], tuple[Indices, Indices]],
+        points_of: dict[float, CellSet] | None,
+        joins: dict[float, CellSet],
+        nodes: dict[float, CellSet],
+    ) -> None:
+        """Find for every new span which cells hold which points at its two ends.
+
+        With `points_of` None the joins' points are sought in the nodes, else the nodes' in the
+        joins.
+        """
+        new = [span for span in self._spans if span not in store]
+        down = points_of is None
+        points, cells = [], []
+        for begin, end in new:
+            for side in (begin, end):
+                points.append(joins[begin].points if down else nodes[side].points)
+                cells.append(nodes[side].cells if down else joins[begin].cells)
+        found = locate(points, cells)
+        for i, span in enumerate(new):
+            store[span] = (found[2 * i], found[2 * i + 1])
+
+    def _join_surely(self) -> None:
+        graph = self.graph
+        self._link(self._sure_links, None, graph.sure_joins, graph.sure_nodes)
+        for begin, end in self._spans:
+            first = self._first["turn", begin]
+            for side, found in zip((begin, end), self._sure_links[begin, end], strict=True):
+                base = self._first["sure", side]
+                self._edges += [
+                    (first + i, base + int(k), SURE) for i, k in enumerate(found) if k >= 0
+                ]
+
+    def _attach_ends_surely(self) -> None:
+        problem, graph = self.graph.problem, self.graph
+        start = self._start_heading()
+        index = _holding(graph.sure_nodes[start].cells, problem.start[:2])
+        self.start_is_free = index >= 0
+        if index >= 0:
+            self._edges.append((_START, self._first["sure", start] + index, SURE))
+        for heading in graph.headings:
+            if problem.goal_heading_offset(heading) <= problem.heading_tolerance + 1e-9:
+                near = _within(
+                    graph.sure_nodes[heading].cells,
+                    problem.goal_pivot(heading),
+                    problem.position_tolerance,
+                )
+                base = self._first["sure", heading]
+                self._edges += [(_GOAL, base + int(k), SURE) for k in near]
+
+    def _start_heading(self) -> float:
+        """Return the cut that is the start's heading."""
+        start = float(self.graph.problem.start[2])
+        offsets = [abs(math.remainder(h - start, 2.0 * math.pi)) for h in self.graph.headings]
+        return self.graph.headings[int(np.argmin(offsets))]
+
+    def _join_possibly(self) -> None:
+        graph = self.graph
+        self._place_sure_in_possible()
+        self._link(
+            self._possible_links, graph.possible_nodes, graph.possible_joins, graph.possible_nodes
+        )
+        for index, (begin, end) in enumerate(self._spans):
+            fine = 2.0 * graph.half_angle(index) <= self.finest
+            cost = 0.5 * (UNDECIDABLE if fine else 1.0)
+            base = self._first["join", begin]
+            for side, found in zip((begin, end), self._possible_links[begin, end], strict=True):
+                for node, join in enumerate(found.tolist()):
+                    if join < 0:
+                        self.anomalies += 1
+                    for vertex in self._stand_ins(side, node):
+                        self._edges.append((base + join, vertex, cost))
+            if graph.open_window:
+                touching = _touching(graph.possible_joins[begin].cells, graph.window)
+                self._edges += [(base + int(k), _BEYOND, OUTSIDE / 2) for k in touching]
+
+    def _place_sure_in_possible(self) -> None:
+        graph = self.graph
+        new = [h for h in graph.headings if h not in self._down]
+        found = locate(
+            [graph.sure_nodes[h].points for h in new], [graph.possible_nodes[h].cells for h in new]
+        )
+        self._down.update(zip(new, found, strict=True))
+        self._members: dict[tuple[float, int], list[int]] = {}
+        for heading in graph.headings:
+            base = self._first["sure", heading]
+            for k, node in enumerate(self._down[heading].tolist()):
+                self.anomalies += node < 0
+                self._members.setdefault((heading, node), []).append(base + k)
+            hair = self._first["hair", heading]
+            for node in range(len(graph.possible_nodes[heading].cells)):
+                inside = self._members.get((heading, node), [])
+                if len(inside) > 1:  # parted or joined by less than a hair's breadth
+                    self._edges += [(hair + node, k, UNDECIDABLE / 2) for k in inside]
+
+    def _stand_ins(self, heading: float, node: int) -> list[int]:
+        """Return the vertices that stand for a possible node: the sure ones in it, or itself."""
+        inside = self._members.get((heading, node), [])
+        return inside or [self._first["hair", heading] + node]
+
+    def _attach_ends_possibly(self) -> None:
+        graph, problem = self.graph, self.graph.problem
+        start = self._start_heading()
+        index = _holding(graph.possible_nodes[start].cells, problem.start[:2])
+        self.start_is_possible = index >= 0
+        if index >= 0:
+            for vertex in self._stand_ins(start, index):
+                self._edges.append((_START, vertex, UNDECIDABLE))
+        swing = float(np.linalg.norm(problem.pivot))
+        for k, heading in enumerate(graph.headings):
+            half = graph.half_angle(k)
+            offset = problem.goal_heading_offset(heading)
+            reach = problem.position_tolerance + EPSILON
+            if offset <= problem.heading_tolerance + 1e-6:
+                cells = graph.possible_nodes[heading].cells
+                for node in _within(cells, problem.goal_pivot(heading), reach):
+                    for vertex in self._stand_ins(heading, int(node)):
+                        self._edges.append((_GOAL, vertex, UNDECIDABLE))
+            middle = heading + half
+            if problem.goal_heading_offset(middle) <= problem.heading_tolerance + half + 1e-6:
+                reach += 2.0 * swing * math.sin(0.5 * half)
+                cells = graph.possible_joins[heading].cells
+                cost = 0.5 * (UNDECIDABLE if 2.0 * half <= self.finest else 1.0)
+                base = self._first["join", heading]
+                for join in _within(cells, problem.goal_pivot(middle), reach):
+                    self._edges.append((base + int(join), _GOAL, cost))
+
+    def costs(self, *, only_sure: bool = False) -> Array:
+        """Return each vertex's cheapest cost from the start; infinite: not even possible."""
+        matrix = self._matrix(self._sure_edge_count if only_sure else len(self._edges))
+        return np.asarray(dijkstra(matrix, directed=False, indices=[_START])[0])
+
+    def costs_to_goal(self) -> Array:
+        """Return each vertex's cheapest cost to the goal."""
+        matrix = self._matrix(len(self._edges))
+        return np.asarray(dijkstra(matrix, directed=False, indices=[_GOAL])[0])
+
+    def joins_at(self, heading: float) -> slice:
+        """Return the vertices of the possible joins over the interval that begins there."""
+        first = self._first["join", heading]
+        return slice(first, first + len(self.graph.possible_joins[heading].cells))
+
+    def _matrix(self, count: int) -> csr_array:
+        rows, columns, data = [], [], []
+        best: dict[tuple[int, int], float] = {}
+        for a, b, cost in self._edges[:count]:
+            key = (a, b) if a < b else (b, a)
+            if cost < best.get(key, math.inf):
+                best[key] = cost
+        for (a, b), cost in best.items():
+            rows.append(a)
+            columns.append(b)
+            data.append(cost)
+        return csr_array((data, (rows, columns)), shape=(self._vertices, self._vertices))
+
+
+def _holding(cells: NDArray[np.object_], point: Array) -> int:
+    held = np.flatnonzero(shapely.intersects_xy(cells, point[0], point[1]))
+    return int(held[0]) if len(held) else -1
+
+
+def _within(cells: NDArray[np.object_], point: Array, reach: float) -> Indices:
+    if not len(cells):
+        return np.zeros(0, dtype=np.int64)
+    return np.flatnonzero(shapely.dwithin(cells, shapely.Point(point), reach)).astype(np.int64)
+
+
+def _touching(cells: NDArray[np.object_], window: Array) -> Indices:
+    box = shapely.bounds(cells).reshape(-1, 4)
+    return np.flatnonzero((np.abs(box - window) < 1e-7).any(axis=1)).astype(np.int64)
