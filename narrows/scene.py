@@ -16,7 +16,8 @@ from typing import Any
 import numpy as np
 import shapely
 
-from .errors import SceneError, ShapeError
+from .errors import ShapeError
+from .files import write_whole
 from .scene_text import Source, decode, read_source
 from .se2 import Array, transform
 from .vehicle import Vehicle
@@ -213,8 +214,9 @@ def write_scene(scene: Scene, file: str | os.PathLike[str]) -> None:
     """Write a scene so that reading it gives the same scene; replaces the file at once.
 
     Raises:
-        SceneError: If the file cannot be written, or the scene holds what the format does not
-            take (coordinates beyond 1e6 m, names of several lines).
+        SceneError: If the scene holds what the format does not take, such as coordinates beyond
+            1e6 m.
+        InputError: If the file cannot be written.
     """
     from .scene_model import SceneEntry
     from .scene_problems import validated
@@ -233,7 +235,7 @@ def write_scene(scene: Scene, file: str | os.PathLike[str]) -> None:
         "margin": scene.margin,
     }
     validated(SceneEntry, Source(None), document)
-    _replace(Path(file), to_yaml(document))
+    write_whole(Path(file), to_yaml(document))
 
 
 def load_vehicle(name: str) -> Vehicle:
@@ -272,14 +274,3 @@ def _content(file: str) -> bytes:
         raise source.error((), "a folder, not a file", allowed="a scene file") from None
     except (OSError, ValueError) as error:  # ValueError: a name with a zero byte
         raise source.error((), f"cannot be read: {error}") from None
-
-
-def _replace(file: Path, text: str) -> None:
-    """Write a file beside its place, then move it there."""
-    beside = file.with_name(f".{file.name}.{os.getpid()}.part")
-    try:
-        beside.write_text(text, encoding="utf-8")
-        os.replace(beside, file)
-    except OSError as error:
-        beside.unlink(missing_ok=True)
-        raise SceneError(f"cannot be written: {error}", file=str(file)) from None
