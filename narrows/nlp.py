@@ -112,7 +112,8 @@ class SolverOptions:
         iteration_limit: Largest number of iterations.
         time_limit: Largest CPU time [s].
         barrier: IPOPT's `mu_strategy`, "adaptive" or "monotone".
-        warm_barrier: Initial barrier parameter of a warm start.
+        warm_barrier: Initial barrier parameter of a warm start; below 1e-5 a constraint that became
+            active since takes many more iterations.
         warm_push: How far a warm start is pushed off its bounds, relative.
         fast_steps: Skip MUMPS' scaling and numerical pivoting and IPOPT's residual check of each
             linear solve: 4.2 -> 2.95 ms on two unknowns. Turn off where a solve stalls.
@@ -126,8 +127,8 @@ class SolverOptions:
     iteration_limit: int = 200
     time_limit: float = 10.0
     barrier: str = "adaptive"
-    warm_barrier: float = 1e-6
-    warm_push: float = 1e-8
+    warm_barrier: float = 1e-5
+    warm_push: float = 1e-3
     fast_steps: bool = True
     plugin: str = "ipopt"
     further: tuple[tuple[str, str | float | int], ...] = ()

@@ -56,7 +56,7 @@ class SegmentOptions:
     convex: bool = True
     curvature: float = math.inf
     samples: int = 101
-    solver: SolverOptions = field(default_factory=SolverOptions)
+    solver: SolverOptions = field(default_factory=lambda: SolverOptions(iteration_limit=60))
 
 
 @dataclass(frozen=True, eq=False)

@@ -97,7 +97,7 @@ class DoorwayOptions:
             join_along=0.0,
             join_aside=0.0,
             join_tilt=0.0,
-            solver=SolverOptions(),
+            solver=SolverOptions(iteration_limit=60),
         )
 
     @property

@@ -183,7 +183,7 @@ def test_a_warm_start_returns_to_the_optimum_at_once() -> None:
     bounds: LegBounds = leg_bounds(start, end, region, convex=True)
     cold = run_segment(start, end, bounds, np.array([0.5, 0.5]), (), SegmentOptions())
     warm = run_segment(start, end, bounds, cold, (), SegmentOptions())
-    assert warm.statistics.iterations <= 2
+    assert warm.statistics.iterations <= 5  # the barrier starts at 1e-5
     np.testing.assert_allclose(warm.unknowns, cold.unknowns, atol=1e-6)
     quick = SegmentOptions(solver=SolverOptions(plugin="fatrop"))
     other = run_segment(start, end, bounds, np.array([0.5, 0.5]), (), quick)
