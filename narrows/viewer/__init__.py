@@ -1,0 +1,1 @@
+"""What people look at. Nothing here is imported before it is drawn."""

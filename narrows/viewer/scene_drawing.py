@@ -1,0 +1,290 @@
+"""The scene from above, to scale: what stands there, what moves, where the body passes."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import shapely
+from matplotlib.axes import Axes
+from matplotlib.patches import PathPatch, Rectangle
+from matplotlib.path import Path as Outline
+
+from narrows.path import Path
+from narrows.scene import Scene
+from narrows.se2 import Array, transform
+from narrows.vehicle import Vehicle
+from narrows.world import MovingSolid, Solid, World
+
+from . import palette
+from .view_box import ViewBox
+
+_LABELLED_DOORS = 3
+
+
+def outline_of(areas: list[shapely.Polygon]) -> Outline:
+    """Return the rings of polygons as one outline; holes stay open."""
+    vertices, codes = [], []
+    for part in areas:
+        oriented = shapely.geometry.polygon.orient(part)
+        for ring in (oriented.exterior, *oriented.interiors):
+            points = shapely.get_coordinates(ring)
+            vertices.append(points)
+            codes.append([Outline.MOVETO, *[Outline.LINETO] * (len(points) - 2), Outline.CLOSEPOLY])
+    if not vertices:
+        return Outline(np.zeros((0, 2)))
+    return Outline(np.concatenate(vertices), np.concatenate(codes))
+
+
+def draw_world(axes: Axes, scene: Scene, view: ViewBox) -> None:
+    """Draw what stands still: filled where the body can meet it, hatched where it passes."""
+    if scene.world.bounds is not None:
+        x_min, y_min, x_max, y_max = scene.world.bounds
+        frame = Rectangle((x_min, y_min), x_max - x_min, y_max - y_min, fill=False)
+        frame.set(edgecolor=palette.OUTLINE, linestyle=(0, (6, 4)), linewidth=1.0, zorder=0.5)
+        axes.add_patch(frame)
+    groups: dict[str, list[shapely.Polygon]] = {}
+    for solid in scene.world.solids:
+        groups.setdefault(_kind(solid, scene.vehicle), []).extend(_area(solid, view))
+    for kind, areas in groups.items():
+        if not areas:
+            continue
+        patch = PathPatch(outline_of(areas), label=kind)
+        if kind == "solid":
+            patch.set(facecolor=palette.WALL, edgecolor="black", linewidth=0.5, zorder=2)
+        elif kind == "above the chair":
+            patch.set(fill=False, hatch="//", edgecolor=palette.OUTLINE, linewidth=1.2, zorder=2)
+        elif kind == "below the body":
+            patch.set(fill=False, hatch="..", edgecolor=palette.OUTLINE, linewidth=1.2, zorder=2)
+        else:
+            raise ValueError(f"no such kind of solid: {kind}")
+        axes.add_patch(patch)
+    _draw_doors(axes, scene, view)
+
+
+def solid_areas(world: World, view: ViewBox) -> list[shapely.Polygon]:
+    """Return the areas of all solids as far as they are in view."""
+    return [area for solid in world.solids for area in _area(solid, view)]
+
+
+def _kind(solid: Solid, vehicle: Vehicle) -> str:
+    low, high = solid.z
+    if any(low < layer.z[1] and layer.z[0] < high for layer in vehicle.layers):
+        return "solid"
+    return "above the chair" if low >= vehicle.height else "below the body"
+
+
+def _area(solid: Solid, view: ViewBox) -> list[shapely.Polygon]:
+    """Return the parts of a solid's area that are in view."""
+    low, high = np.array(view[:2]), np.array(view[2:])
+    pad = 0.5 * (high - low)
+    shape = solid.shape.buffer(solid.radius, quad_segs=16) if solid.radius else solid.shape
+    seen = shapely.clip_by_rect(shape, *(low - pad), *(high + pad))
+    return [part for part in shapely.get_parts(seen) if part.geom_type == "Polygon"]
+
+
+def _draw_doors(axes: Axes, scene: Scene, view: ViewBox) -> None:
+    doors = [
+        door
+        for door in scene.world.doors
+        if view[0] < door.center[0] < view[2] and view[1] < door.center[1] < view[3]
+    ]
+    for door in doors:
+        across = 0.5 * door.width * np.array([-np.sin(door.heading), np.cos(door.heading)])
+        ends = np.array(door.center) + np.outer([-1.0, 1.0], across)  # (2, 2)
+        axes.plot(*ends.T, color=palette.GREEN, linewidth=1.2, linestyle=(0, (2, 2)), zorder=2.5)
+        if len(doors) <= _LABELLED_DOORS:
+            text = f"door {door.width:.2f} m"
+            outside = ends[0] - 0.4 * across / np.linalg.norm(across)
+            axes.annotate(
+                text,
+                outside,
+                textcoords="offset points",
+                xytext=(0, -14),
+                ha="center",
+                va="top",
+                fontsize=10,
+                color=palette.INK,
+                bbox=_BOX,
+                zorder=7,
+            )
+
+
+_BOX = {"boxstyle": "round,pad=0.2", "facecolor": "white", "edgecolor": "none", "alpha": 0.85}
+
+
+def draw_moving(axes: Axes, solids: tuple[MovingSolid, ...], time: float | None) -> None:
+    """Draw moving things: their path, where they start, and where they are at a time [s]."""
+    for index, solid in enumerate(solids):
+        name = solid.name or "person"
+        label = "moving" if index == 0 else None
+        track = solid.path[:, 1:]
+        axes.plot(*track.T, ":", color=palette.PINK, linewidth=2, zorder=3.2, label=label)
+        instants = [solid.path[0, 0]] + ([time] if time is not None else [])
+        for instant in instants:
+            centre = shapely.Point(solid.position(instant))
+            disc = PathPatch(outline_of([centre.buffer(solid.radius, quad_segs=16)]))
+            disc.set(facecolor=palette.PINK, alpha=0.45, edgecolor=palette.INK, zorder=3.2)
+            axes.add_patch(disc)
+            axes.annotate(
+                f"{name}\n{instant:.1f} s",
+                (centre.x, centre.y),
+                ha="center",
+                va="center",
+                fontsize=9,
+                zorder=7,
+            )
+
+
+def swept_area(vehicle: Vehicle, path: Path) -> list[shapely.Polygon]:
+    """Return the area the body passes over, for the eye: from poses every 2 cm or 2 degrees."""
+    poses = path(_spread(path, 0.02, np.deg2rad(2.0)))
+    bodies = transform(poses, vehicle.outline)
+    hulls = [shapely.MultiPoint(np.concatenate(pair)).convex_hull for pair in pairwise(bodies)]
+    return [part for part in shapely.get_parts(shapely.union_all(hulls))]
+
+
+def draw_motion(axes: Axes, vehicle: Vehicle, path: Path, *, fault: str) -> None:
+    """Draw the body swept along a path and the way of its drive axle.
+
+    A motion with a fault is drawn dashed, in another colour, and called by its fault.
+    """
+    colour = palette.REFUSED if fault else palette.SKY
+    name = f"swept body, {fault}" if fault else "swept body"
+    area = PathPatch(outline_of(swept_area(vehicle, path)), label=name)
+    area.set(facecolor=colour, alpha=0.22, edgecolor="none", zorder=1)
+    axes.add_patch(area)
+    bodies = transform(path(_spread(path, 0.25, np.deg2rad(15.0))), vehicle.outline)
+    for body in bodies:
+        closed = np.concatenate([body, body[:1]])
+        axes.plot(*closed.T, color=colour, alpha=0.55, linewidth=0.8, zorder=3)
+    _draw_axle(axes, path, fault)
+
+
+def _draw_axle(axes: Axes, path: Path, fault: str) -> None:
+    drawn: set[str] = set()
+    for k, direction in enumerate(path.directions):
+        low, high = path.section_bounds[k], path.section_bounds[k + 1]
+        if direction == 0:
+            x, y, _ = path(0.5 * (low + high))
+            label = "turn on the spot"
+            style: dict[str, Any] = {
+                "marker": "o",
+                "markersize": 11,
+                "fillstyle": "none",
+                "linestyle": "none",
+            }
+            colour = palette.INK
+            points = np.array([[x, y]])
+        else:
+            count = max(2, int((high - low) / 0.01))
+            inside = np.linspace(low, high, count)
+            inside[0] += 1e-9  # a joint belongs to the section before
+            points = path(inside)[:, :2]
+            label = "drive axle, forward" if direction > 0 else "drive axle, in reverse"
+            colour = palette.FORWARD if direction > 0 else palette.REVERSE
+            style = {"linestyle": "-" if direction > 0 else (0, (5, 1.5)), "linewidth": 2.2}
+        if fault:
+            colour = palette.REFUSED
+            style |= {} if direction == 0 else {"linestyle": (0, (4, 3))}
+            label = f"{label}, {fault}"
+        axes.plot(
+            *points.T, color=colour, label=None if label in drawn else label, zorder=4.5, **style
+        )
+        drawn.add(label)
+    changes = np.flatnonzero(path.directions[1:] * path.directions[:-1] < 0) + 1
+    for number, index in enumerate(changes, start=1):
+        x, y, _ = path(path.section_bounds[index])
+        axes.plot(
+            x,
+            y,
+            "D",
+            color=palette.INK,
+            markersize=7,
+            zorder=5.2,
+            linestyle="none",
+            label="change of direction" if number == 1 else None,
+        )
+        axes.annotate(
+            f"{number}",
+            (x, y),
+            xytext=(8, 6),
+            textcoords="offset points",
+            fontsize=11,
+            fontweight="bold",
+            bbox=_BOX,
+            zorder=7,
+        )
+
+
+def _spread(path: Path, distance: float, angle: float) -> Array:
+    """Return progress values, every distance [m] or angle [rad], ends of sections included."""
+    values = [np.zeros(1)]
+    for k, direction in enumerate(path.directions):
+        low, high = path.section_bounds[k], path.section_bounds[k + 1]
+        if direction == 0:
+            step = angle
+        else:
+            turned = abs(float(path(high)[2] - path(low + 1e-9)[2]))
+            step = min(distance, max(angle * (high - low) / max(turned, 1e-9), 0.2 * distance))
+        values.append(np.linspace(low, high, max(2, int(np.ceil((high - low) / step)) + 1))[1:])
+    return np.concatenate(values)
+
+
+def draw_ends(axes: Axes, scene: Scene) -> None:
+    """Draw the body where it starts and where it is to arrive, with its heading."""
+    ends = (("start", scene.start, palette.START), ("goal", scene.goal.pose, palette.GOAL))
+    for name, pose, colour in ends:
+        body = transform(pose, scene.vehicle.outline)
+        closed = np.concatenate([body, body[:1]])
+        style = "-" if name == "start" else (0, (4, 1.5))
+        axes.plot(*closed.T, color=colour, linewidth=2.4, linestyle=style, zorder=4)
+        tip = transform(pose, np.array([[0.7 * scene.vehicle.front_overhang + 1e-3, 0.0]]))[0]
+        axes.annotate(
+            "",
+            (float(tip[0]), float(tip[1])),
+            (float(pose[0]), float(pose[1])),
+            arrowprops={"arrowstyle": "-|>", "color": colour, "linewidth": 2.0},
+            zorder=5,
+        )
+        middle = transform(pose, scene.vehicle.outline.mean(axis=0)[None])[0]
+        axes.annotate(
+            name,
+            middle,
+            ha="center",
+            va="center",
+            fontsize=12,
+            fontweight="bold",
+            color=palette.INK,
+            bbox=_BOX,
+            zorder=7,
+        )
+
+
+def draw_scale(axes: Axes, view: ViewBox) -> None:
+    """Draw a bar of a round length in the lower left corner."""
+    width = view[2] - view[0]
+    length = float(10.0 ** np.floor(np.log10(0.25 * width)))
+    length *= max(f for f in (1.0, 2.0, 5.0) if f * length <= 0.25 * width)
+    x, y = view[0] + 0.02 * width, view[1] + 0.025 * width
+    plate = Rectangle((x - 0.01 * width, y - 0.012 * width), length + 0.02 * width, 0.05 * width)
+    plate.set(facecolor="white", edgecolor="none", alpha=0.85, zorder=7.5)
+    axes.add_patch(plate)
+    axes.plot([x, x + length], [y, y], color="black", linewidth=4, zorder=8, solid_capstyle="butt")
+    middle = (x + 0.5 * length, y)
+    axes.annotate(
+        f"{length:g} m",
+        middle,
+        (0, 5),
+        textcoords="offset points",
+        ha="center",
+        fontsize=11,
+        zorder=8,
+    )
+
+
+def draw_planned(axes: Axes, path: Path) -> None:
+    """Draw the path a drive was to follow."""
+    points = path(_spread(path, 0.02, 1.0))[:, :2]
+    axes.plot(*points.T, color=palette.PALE, linewidth=6.0, zorder=3.5, label="planned")
