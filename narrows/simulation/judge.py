@@ -15,6 +15,9 @@ from .record import Record
 STANDS = 0.005
 """Rim speed below which the chair stands [m/s]."""
 
+WINDOW = 0.1
+"""Time over which accelerations and jerk are averaged [s]."""
+
 
 @dataclass(frozen=True)
 class Verdict:
@@ -32,7 +35,7 @@ class Verdict:
         final_heading_error: Angle of the last true heading to the goal's, >= 0, [rad].
         duration: Time driven [s].
         length: Distance travelled [m].
-        peak_acceleration: Greatest rate of v by the wheels [m/s^2].
+        peak_acceleration: Greatest rate of v by the wheels, averaged over 0.1 s [m/s^2].
         peak_jerk: Greatest rate of that [m/s^3].
         peak_wheel_acceleration: Greatest rate of a wheel's rim speed [m/s^2].
         reason: For people: why it is reached or not.
@@ -120,15 +123,19 @@ def _reason(
 
 
 def _peaks(record: Record) -> tuple[float, float, float]:
-    """Return the greatest acceleration, jerk and wheel acceleration, by difference quotients."""
-    if len(record.times) < 3:
-        return 0.0, 0.0, 0.0
-    dt = np.diff(record.times)
-    rates = np.diff(record.wheel_speeds, axis=0) / dt[:, None]
+    """Return the greatest acceleration, jerk and wheel acceleration, as means over `WINDOW`.
+
+    Commands are steps every control period; over shorter times their edges would be measured.
+    """
+    dt = WINDOW / 2.0
+    times = np.arange(record.times[0], record.times[-1] + dt, dt)
+    left, right = (np.interp(times, record.times, rim) for rim in record.wheel_speeds.T)
+    wheels = np.column_stack([left, right])
+    rates = (wheels[2:] - wheels[:-2]) / WINDOW
     acceleration = rates.mean(axis=1)
-    jerk = np.diff(acceleration) / (0.5 * (dt[:-1] + dt[1:]))
+    jerk = (acceleration[2:] - acceleration[:-2]) / WINDOW
     return (
-        float(np.abs(acceleration).max()),
-        float(np.abs(jerk).max()),
-        float(np.abs(rates).max()),
+        float(np.abs(acceleration).max(initial=0.0)),
+        float(np.abs(jerk).max(initial=0.0)),
+        float(np.abs(rates).max(initial=0.0)),
     )
