@@ -121,8 +121,9 @@ def _frame(corners: Array, low: Array, high: Array) -> Iterator[Solid]:
         high: Upper right corner of the box [m].
     """
     box = np.array([low, [high[0], low[1]], high, [low[0], high[1]]])
-    lowest = int(np.lexsort((-corners[:, 0], corners[:, 1]))[0])
-    touching = np.roll(corners, -lowest, axis=0)  # the box's lower, right, upper and left side
+    touching = np.roll(
+        corners, -int(corners[:, 1].argmin()), axis=0
+    )  # the box's lower, right, upper and left side
     for k in range(4):
         triangle = np.array([touching[k], box[(k + 1) % 4], touching[(k + 1) % 4]])
         legs = np.linalg.norm(np.diff(triangle, axis=0), axis=1)

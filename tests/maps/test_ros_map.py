@@ -12,8 +12,10 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 from PIL import Image
 
+from narrows.clearance import clearance_at
 from narrows.errors import SceneError
 from narrows.maps import load_map
+from narrows.vehicle import Vehicle
 
 BLACK, GREY, WHITE = 0, 205, 254  # occupied, unknown and free, as map_saver writes them
 
@@ -61,8 +63,16 @@ def test_a_turned_map_turns_about_its_origin(tmp_path):
     assert solid.shape.area == pytest.approx(0.25)
 
 
-def test_corners_of_the_box_around_a_turned_map_are_solid(tmp_path):
-    yaw = math.radians(30.0)
+@pytest.mark.parametrize("degrees", [0, 90, 180, -90, 360])
+def test_a_map_turned_by_right_angles_fills_its_box(tmp_path, degrees):
+    pixels = np.full((40, 80), WHITE, np.uint8)
+    world = load_map(write_map(tmp_path, pixels, origin=[3.0, 4.0, math.radians(degrees)]))
+    assert world.solids == ()
+
+
+@pytest.mark.parametrize("degrees", [30, 120, -100, 0.1])
+def test_corners_of_the_box_around_a_turned_map_are_solid(tmp_path, degrees):
+    yaw = math.radians(degrees)
     file = write_map(tmp_path, np.full((40, 80), WHITE, np.uint8), origin=[3.0, 4.0, yaw])
     world = load_map(file)
     assert [solid.name for solid in world.solids] == ["outside the map"] * 4
@@ -131,9 +141,11 @@ def test_palette_and_bilevel_pictures_are_read(tmp_path):
 
 
 def test_transparent_cells_are_unknown_in_mode_scale(tmp_path):
-    pixels = np.array([[[255, 255, 255, 254], [255, 255, 255, 255], [0, 0, 0, 255]]], np.uint8)
+    white, black = [255, 255, 255], [0, 0, 0]
+    pixels = np.array([[[*white, 254], [*white, 255], [*black, 255], [*black, 254]]], np.uint8)
     world = load_map(write_map(tmp_path, pixels, "map.png", mode="scale"))
-    assert [solid_at(world, x, 0.25) for x in (0.25, 0.75, 1.25)] == [["unknown"], [], ["wall"]]
+    found = [solid_at(world, x, 0.25) for x in (0.25, 0.75, 1.25, 1.75)]
+    assert found == [["unknown"], [], ["wall"], ["unknown"]]
 
 
 def test_opacity_is_averaged_with_the_colours_in_mode_trinary(tmp_path):
@@ -215,3 +227,15 @@ def test_noise_is_refused(tmp_path):
     pixels = np.where(np.indices((600, 600)).sum(axis=0) % 2, BLACK, WHITE).astype(np.uint8)
     with pytest.raises(SceneError, match="noise"):
         load_map(write_map(tmp_path, pixels))
+
+
+def test_a_body_deep_inside_a_large_unknown_area_overlaps_it(tmp_path):
+    pixels = np.full((100, 100), GREY, np.uint8)
+    pixels[:, :3] = WHITE
+    pixels[40:60, 50] = WHITE  # a slit of 0.5 m: narrower than the chair
+    world = load_map(write_map(tmp_path, pixels))
+    chair = Vehicle.rectangle(1.0, 0.6, 0.5)
+    poses = [[x, y, 0.3] for x in np.arange(3.0, 48.0, 1.7) for y in np.arange(1.0, 49.0, 1.7)]
+    distance, against = clearance_at(world, chair, poses)
+    assert (distance < 0.0).all()
+    assert set(against) == {"unknown"}
