@@ -54,6 +54,8 @@ def validated(model: type[Model], source: Source, value: Any) -> Model:
         return model.model_validate(value)
     except ValidationError as error:
         found = error.errors(include_url=False)
+    # A misspelt key explains the missing one on its line: name it first.
+    found.sort(key=lambda problem: problem["type"] != "extra_forbidden")
     schema = model.model_json_schema()
     raise first_of([_translated(schema, source, problem) for problem in found])
 
