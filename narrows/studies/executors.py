@@ -69,7 +69,7 @@ class LocalProcesses:
                 for worker in self._eventful(workers):
                     ended = worker.receive() if worker.has_news else worker.stop(self._too_late)
                     if waiting and worker.is_idle:
-                        _assign(worker, waiting, cases)
+                        assign(worker, waiting, cases)
                     if worker.is_stopped:
                         workers.remove(worker)
                     if ended is not None:
@@ -91,7 +91,7 @@ class LocalProcesses:
         return [w for w in workers if w.has_news or (w.is_busy and w.elapsed_s >= limit)]
 
 
-def _assign(worker: Worker, waiting: deque[int], cases: Sequence[Case]) -> None:
+def assign(worker: Worker, waiting: deque[int], cases: Sequence[Case]) -> None:
     """Give a worker the next case; one that died idle takes none with it."""
     index = waiting.popleft()
     if not worker.send(index, cases[index]):

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import StudyError
-from .files import write_whole
+from ..files import write_whole
 
 _GIVEN = ("out", "jobs", "resume", "seed")
 
@@ -75,6 +75,7 @@ def run(
 
     Raises:
         StudyError: If there is no such study or option, or the folder cannot be used.
+        InputError: If the report cannot be written there.
     """
     known = names()
     if name not in known:

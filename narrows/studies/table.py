@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import StudyError
+from ..files import write_whole
 from .case import Scalar
-from .files import write_whole
 
 DONE, FAILED = "done", "failed"
 OUTCOME_COLUMNS = ("status", "reason")
@@ -95,6 +95,9 @@ class Table:
             file: Where to write.
             with_runs: Also write the columns that differ from run to run (times, machine,
                 versions, seed). Without them the same study writes the same bytes again.
+
+        Raises:
+            InputError: If the file cannot be written there.
         """
         names = [name for name in self.columns if with_runs or name not in RUN_COLUMNS]
         stream = io.StringIO()

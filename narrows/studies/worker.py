@@ -37,8 +37,8 @@ def prepare_workers(function: Callable[..., Any]) -> None:
     while isinstance(function, functools.partial):
         function = function.func
     module = getattr(function, "__module__", "__main__")
-    if module != "__main__":
-        multiprocessing.get_context("forkserver").set_forkserver_preload([module])
+    loaded = [__name__] if module == "__main__" else [__name__, module]
+    multiprocessing.get_context("forkserver").set_forkserver_preload(loaded)
     with _one_thread_each():
         forkserver.ensure_running()
 
@@ -62,6 +62,11 @@ class Worker:
         self._is_ready = False
         self._index: int | None = None
         self._sent, self._started = 0.0, ""
+
+    @property
+    def pid(self) -> int:
+        """Number of its process."""
+        return self._process.pid or 0
 
     @property
     def is_busy(self) -> bool:

@@ -1,17 +1,23 @@
 """Claims about worker processes, tried on real ones with real signals."""
 
+import multiprocessing
 import os
+import pickle
 import signal
 import subprocess
 import sys
 import time
+from collections import deque
 from pathlib import Path
 
 import pytest
 
 from narrows.errors import StudyError
+from narrows.studies.case import Task
+from narrows.studies.executors import LocalProcesses, assign
 from narrows.studies.store import read_table
 from narrows.studies.sweep import sweep
+from narrows.studies.worker import Worker, prepare_workers
 
 SCRIPT = """
 import sys
@@ -23,13 +29,12 @@ from narrows.studies.sweep import sweep
 if __name__ == "__main__":
     folder = Path({folder!r})
     log = str(folder / "log")
-    cases = [
-        {{"number": n, "log": log, "sleep": 1.0 if n == {long} else 0.05}} for n in range({count})
-    ]
+    cases = [{{"number": n, "log": log, "sleep": 0.05}} for n in range({count})]
+    cases[{long}]["sleep"] = {long_s}
     sweep(cases, sweep_cases.logged, table=folder / "t", keys=("number",), jobs=2)
 """
 COUNT = 60
-LONG = 12  # takes a second, so that it can be caught running
+LONG = 12  # takes longer, so that it can be caught running
 
 
 def numbers(count):
@@ -58,10 +63,10 @@ def wait_until(condition, seconds=20.0):
     return False
 
 
-def start(folder):
+def start(folder, long_s):
     """Start a sweep of COUNT cases with two workers in a session of its own."""
     script = SCRIPT.format(
-        here=str(Path(__file__).parent), folder=str(folder), count=COUNT, long=LONG
+        here=str(Path(__file__).parent), folder=str(folder), count=COUNT, long=LONG, long_s=long_s
     )
     file = folder / "script.py"
     file.write_text(script)
@@ -132,9 +137,32 @@ def test_a_script_without_a_guarded_entry_is_told_so(tmp_path):
     assert "ended before it could start" in done.stderr
 
 
+def test_a_worker_that_dies_idle_takes_no_case_with_it(functions):
+    prepare_workers(functions.hangs)
+    worker = Worker(pickle.dumps(Task(functions.hangs, ("number",), 0)))
+    assert worker.connection.poll(20.0)
+    assert worker.receive() is None
+    assert worker.is_idle
+    os.kill(worker.pid, signal.SIGKILL)
+    assert worker.connection.poll(20.0)  # the end of its pipe
+    waiting = deque([0, 1])
+    assign(worker, waiting, numbers(2))
+    assert worker.is_stopped
+    assert list(waiting) == [0, 1]
+
+
+def test_closing_the_outcomes_early_stops_the_workers(functions):
+    task = Task(functions.hangs, ("number",), 0)
+    outcomes = LocalProcesses(jobs=2).outcomes(task, numbers(3))
+    next(outcomes)
+    assert len(multiprocessing.active_children()) == 2
+    outcomes.close()
+    assert not multiprocessing.active_children()
+
+
 @pytest.mark.slow
 def test_a_worker_killed_from_outside_costs_exactly_its_case(tmp_path):
-    sweeping = start(tmp_path)
+    sweeping = start(tmp_path, long_s=10.0)
     assert wait_until(lambda: LONG in logged_runs(tmp_path))
     runs = [line.split() for line in (tmp_path / "log").read_text().splitlines()]
     [worker] = [int(worker) for number, worker in runs if int(number) == LONG]
@@ -152,7 +180,7 @@ def test_a_worker_killed_from_outside_costs_exactly_its_case(tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("how", ["kill the parent", "interrupt the group"])
 def test_a_stopped_sweep_keeps_its_rows_leaves_no_process_and_resumes(tmp_path, how):
-    sweeping = start(tmp_path)
+    sweeping = start(tmp_path, long_s=60.0)
     assert wait_until(lambda: len(logged_runs(tmp_path)) >= 20)
     if how == "kill the parent":
         os.kill(sweeping.pid, signal.SIGKILL)
@@ -161,6 +189,7 @@ def test_a_stopped_sweep_keeps_its_rows_leaves_no_process_and_resumes(tmp_path, 
     _, errors = sweeping.communicate(timeout=20)
     if how == "interrupt the group":
         assert errors.decode().rstrip().endswith("KeyboardInterrupt")
+        assert errors.count(b"Traceback") == 1  # the parent's; the workers leave quietly
     assert sweeping.returncode == {"k": -signal.SIGKILL, "i": -signal.SIGINT}[how[0]]
     assert wait_until(lambda: not living(sweeping.pid), 5.0), living(sweeping.pid)
 
@@ -171,7 +200,7 @@ def test_a_stopped_sweep_keeps_its_rows_leaves_no_process_and_resumes(tmp_path, 
     assert len(kept) < COUNT
     (tmp_path / "log").unlink()
 
-    again = start(tmp_path)
+    again = start(tmp_path, long_s=0.05)
     _, errors = again.communicate(timeout=60)
     assert again.returncode == 0, errors
     assert sorted(logged_runs(tmp_path)) == sorted(set(range(COUNT)) - kept)

@@ -1,13 +1,11 @@
 """Claims about tables in memory, in CSV and in half-written files."""
 
 import math
-import os
 
 import numpy as np
 import pytest
 
-from narrows.errors import StudyError
-from narrows.studies.files import write_whole
+from narrows.errors import InputError, StudyError
 from narrows.studies.table import Table, read_csv
 
 TABLE = Table(
@@ -75,15 +73,8 @@ def test_csv_that_is_no_table_is_refused_with_its_place(tmp_path, content, said)
     assert str(file) in str(refused.value)
 
 
-def test_a_file_that_cannot_be_written_whole_stays_what_it_was(tmp_path, monkeypatch):
-    file = tmp_path / "t.csv"
-    write_whole(file, "old")
-
-    def no_space(*_):
-        raise OSError("no space left")
-
-    monkeypatch.setattr(os, "replace", no_space)
-    with pytest.raises(OSError, match="no space"):
-        write_whole(file, "new")
-    assert file.read_text() == "old"
-    assert list(tmp_path.iterdir()) == [file]
+def test_a_csv_that_cannot_be_written_says_where_and_leaves_nothing(tmp_path):
+    (tmp_path / "t.csv").mkdir()
+    with pytest.raises(InputError, match=r"t\.csv: the file cannot be written"):
+        TABLE.write_csv(tmp_path / "t.csv")
+    assert [path.name for path in tmp_path.iterdir()] == ["t.csv"]
