@@ -1,1 +1,97 @@
-"""narrows: plan how a wheelchair with a real body gets through narrow places."""
+"""narrows: plan how a wheelchair with a real body gets through narrow places.
+
+The names below are all there is to know from outside; `docs/python.md` says what they do. Each is
+imported when it is first used, so that `import narrows` costs nothing.
+"""
+
+# ruff: noqa: F401 - what type checkers see is what `_MODULES` finds
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+__version__ = "0.1.0"
+
+if TYPE_CHECKING:
+    from .clearance import Certificate, certify, clearance_at
+    from .errors import (
+        InputError,
+        MissingExtra,
+        NarrowsError,
+        PlanningFailed,
+        SceneError,
+        ShapeError,
+        StudyError,
+        TrajectoryError,
+    )
+    from .formats import read_trajectory, write_trajectory
+    from .interfaces import Plan, Planner, PlanStatus, Tracker
+    from .limit_check import LimitCheck, check_limits
+    from .path import Path
+    from .planners import plan
+    from .planners.passage import Verdict, passable
+    from .scene import (
+        Goal,
+        Scene,
+        load_scene,
+        load_vehicle,
+        read_scene,
+        scene_schema,
+        vehicle_names,
+        write_scene,
+    )
+    from .trajectory import Trajectory
+    from .vehicle import Layer, Limits, Vehicle
+    from .verification import Verification, verify
+    from .world import Door, MovingSolid, Solid, World
+
+_MODULES = {
+    "clearance": ("Certificate", "certify", "clearance_at"),
+    "errors": (
+        "InputError",
+        "MissingExtra",
+        "NarrowsError",
+        "PlanningFailed",
+        "SceneError",
+        "ShapeError",
+        "StudyError",
+        "TrajectoryError",
+    ),
+    "formats": ("read_trajectory", "write_trajectory"),
+    "interfaces": ("Plan", "PlanStatus", "Planner", "Tracker"),
+    "limit_check": ("LimitCheck", "check_limits"),
+    "path": ("Path",),
+    "planners": ("plan",),
+    "planners.passage": ("Verdict", "passable"),
+    "scene": (
+        "Goal",
+        "Scene",
+        "load_scene",
+        "load_vehicle",
+        "read_scene",
+        "scene_schema",
+        "vehicle_names",
+        "write_scene",
+    ),
+    "trajectory": ("Trajectory",),
+    "vehicle": ("Layer", "Limits", "Vehicle"),
+    "verification": ("Verification", "verify"),
+    "world": ("Door", "MovingSolid", "Solid", "World"),
+}
+_HOMES = {name: module for module, names in _MODULES.items() for name in names}
+
+__all__ = ["__version__", *sorted(_HOMES)]
+
+
+def __getattr__(name: str) -> Any:
+    """Return a public name, importing its module when it is first asked for."""
+    if name not in _HOMES:
+        raise AttributeError(f"module 'narrows' has no attribute '{name}'")
+    value = getattr(import_module(f".{_HOMES[name]}", __name__), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    """Return the public names."""
+    return sorted(__all__)

@@ -32,6 +32,7 @@ from narrows.verification import Verification
 from . import palette
 from .charts import TrackingErrors, draw_clearance, draw_curvature, draw_speeds, draw_tracking
 from .least_clearance import draw_least
+from .picture_files import check_picture_suffix
 from .scene_drawing import (
     draw_ends,
     draw_motion,
@@ -43,9 +44,6 @@ from .scene_drawing import (
     swept_area,
 )
 from .view_box import ViewBox, view_box
-
-SUFFIXES = (".png", ".svg")
-"""Suffixes of the pictures that can be written."""
 
 _WIDTH = 12.0  # in; 1200 px at 100 px/in
 _DPI = 100
@@ -144,23 +142,6 @@ def save_picture(figure: Figure, file: FilePath | str) -> None:
         else:
             raise InputError("no such kind of picture", file=str(file), value=suffix)
     write_whole(file, stream.getvalue())
-
-
-def check_picture_suffix(file: FilePath | str) -> str:
-    """Return a picture's suffix in lower case.
-
-    Raises:
-        InputError: If it is not one of `SUFFIXES`.
-    """
-    suffix = FilePath(file).suffix.lower()
-    if suffix not in SUFFIXES:
-        raise InputError(
-            "pictures of this kind are not drawn",
-            file=str(file),
-            value=suffix,
-            allowed=" or ".join(SUFFIXES),
-        )
-    return suffix
 
 
 def _draw(content: _Content) -> Figure:

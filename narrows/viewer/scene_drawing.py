@@ -120,12 +120,12 @@ def draw_moving(axes: Axes, solids: tuple[MovingSolid, ...], time: float | None)
         name = solid.name or "person"
         label = "moving" if index == 0 else None
         track = solid.path[:, 1:]
-        axes.plot(*track.T, ":", color=palette.PINK, linewidth=2, zorder=3.2, label=label)
+        axes.plot(*track.T, ":", color=palette.PINK, linewidth=2, zorder=3.1, label=label)
         instants = [solid.path[0, 0]] + ([time] if time is not None else [])
         for instant in instants:
             centre = shapely.Point(solid.position(instant))
             disc = PathPatch(outline_of([centre.buffer(solid.radius, quad_segs=16)]))
-            disc.set(facecolor=palette.PINK, alpha=0.45, edgecolor=palette.INK, zorder=3.2)
+            disc.set(facecolor="#EBCFDF", alpha=0.9, edgecolor=palette.INK, zorder=3.2)
             axes.add_patch(disc)
             axes.annotate(
                 f"{name}\n{instant:.1f} s",

@@ -1,0 +1,283 @@
+"""The command line: parse, call, print, exit code. What the verbs do is in `narrows.commands`."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+import click
+
+from . import __version__
+from .commands.outcome import OK, WRONG_INPUT, Outcome
+from .errors import InputError, NarrowsError
+
+_INTERRUPTED, _BROKEN_PIPE = 130, 141  # as the shell reports SIGINT and SIGPIPE
+
+_SCENE = click.argument("scene", type=click.Path())
+_JSON = click.option("--json", "as_json", is_flag=True, help="Print one JSON object, nothing else.")
+_PICTURE = click.option(
+    "--picture", type=click.Path(), metavar="FILE", help="Draw it: .png (1200 px wide) or .svg."
+)
+_PLANNER = click.option(
+    "--planner",
+    default="auto",
+    show_default=True,
+    metavar="NAME",
+    help="auto tries one after the other; or one by name: doorway, ...",
+)
+
+
+def _examples(*commands: str, head: str = "Examples:") -> str:
+    """Return commands as a block of the help text that is not wrapped."""
+    return "\b\n" + "\n".join([head, *(f"  {command}" for command in commands)])
+
+
+@click.group(
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+    epilog=_examples(
+        "narrows plan examples/scenes/door.yaml --picture door.png",
+        "narrows drive examples/scenes/door.yaml --record drive.csv",
+        head="A first try, with a scene that comes along:",
+    ),
+)
+@click.version_option(__version__, prog_name="narrows")
+def narrows() -> None:
+    """Plan how a wheelchair gets through narrow places, and prove how clear it is.
+
+    Exit codes: 0 certified, passable, reached; 2 wrong input; 3 proven
+    impossible; 4 neither found nor proven, refused, not reached.
+    """
+
+
+@narrows.command(
+    "plan",
+    short_help="Plan a trajectory that is proven clear.",
+    epilog=_examples(
+        "narrows plan examples/scenes/door.yaml -o door.csv --picture door.png",
+        "narrows plan examples/scenes/door.yaml --json",
+    ),
+)
+@_SCENE
+@click.option(
+    "-o", "--output", type=click.Path(), metavar="FILE", help="Trajectory: .csv or .json."
+)
+@_PLANNER
+@_PICTURE
+@_JSON
+def plan_command(
+    scene: str, output: str | None, planner: str, picture: str | None, as_json: bool
+) -> Outcome:
+    """Plan a trajectory that is proven clear, or say why there is none.
+
+    FILE of -o is written only if the plan is certified.
+    """
+    from .commands.plan import run_plan
+
+    return run_plan(scene, planner=planner, output=output, picture=picture)
+
+
+@narrows.command(
+    "passable",
+    short_help="Decide whether any motion gets through.",
+    epilog=_examples("narrows passable examples/scenes/door.yaml"),
+)
+@_SCENE
+@_JSON
+def passable_command(scene: str, as_json: bool) -> Outcome:
+    """Decide whether any motion of the chair gets from start to goal.
+
+    If none does, this says how many millimetres are missing, and where.
+    """
+    from .commands.passable import run_passable
+
+    return run_passable(scene)
+
+
+@narrows.command(
+    "verify",
+    short_help="Prove or refuse anybody's trajectory.",
+    epilog=_examples(
+        "narrows plan examples/scenes/door.yaml -o door.csv",
+        "narrows verify examples/scenes/door.yaml door.csv",
+        "narrows verify examples/scenes/door.yaml door.csv --picture judged.png --json",
+    ),
+)
+@_SCENE
+@click.argument("trajectory", type=click.Path())
+@_PICTURE
+@_JSON
+def verify_command(scene: str, trajectory: str, picture: str | None, as_json: bool) -> Outcome:
+    """Prove that anybody's TRAJECTORY is clear and keeps the chair's limits, or refuse it.
+
+    TRAJECTORY is CSV with columns x, y, heading [rad] or heading_deg, and t [s] if it
+    has times; or JSON: [[x, y, heading], ...].
+    """
+    from .commands.verify import run_verify
+
+    return run_verify(scene, trajectory, picture=picture)
+
+
+@narrows.command(
+    "drive",
+    short_help="Plan, drive in the simulator, judge.",
+    epilog=_examples(
+        "narrows drive examples/scenes/door.yaml --picture drive.png",
+        "narrows drive examples/scenes/door.yaml --save-trajectory door.csv --record drive.csv",
+        "narrows drive examples/scenes/door.yaml --trajectory door.csv --json",
+    ),
+)
+@_SCENE
+@click.option(
+    "--tracker",
+    default="lookahead",
+    show_default=True,
+    metavar="NAME",
+    help="Who steers: lookahead.",
+)
+@_PLANNER
+@click.option(
+    "--trajectory", type=click.Path(), metavar="FILE", help="Drive this instead of planning."
+)
+@click.option(
+    "--save-trajectory", type=click.Path(), metavar="FILE", help="Save the plan: .csv or .json."
+)
+@click.option("--record", type=click.Path(), metavar="FILE", help="Save the drive in rows: .csv.")
+@_PICTURE
+@_JSON
+def drive_command(
+    scene: str,
+    tracker: str,
+    planner: str,
+    trajectory: str | None,
+    save_trajectory: str | None,
+    record: str | None,
+    picture: str | None,
+    as_json: bool,
+) -> Outcome:
+    """Plan, drive in the simulator, and judge the drive on the swept body."""
+    from .commands.drive import DriveFiles, run_drive
+
+    files = DriveFiles(save_trajectory, record, picture)
+    with _progress("driving") as report:
+        return run_drive(
+            scene, tracker=tracker, planner=planner, given=trajectory, files=files, report=report
+        )
+
+
+@narrows.command(
+    "study",
+    short_help="Run an experiment again.",
+    epilog=_examples(
+        "narrows study",
+        "narrows study door-bezier --out out/door-bezier --jobs 2",
+    ),
+)
+@click.argument("name", required=False)
+@click.option("--out", type=click.Path(), metavar="FOLDER", help="Where to; default out/NAME.")
+@click.option("--jobs", default=1, show_default=True, metavar="N", help="Processes.")
+@click.option("--resume", is_flag=True, help="Keep the cases done by an earlier run.")
+@click.option("--seed", default=0, show_default=True, metavar="N", help="Seed of all randomness.")
+def study_command(name: str | None, out: str | None, jobs: int, resume: bool, seed: int) -> Outcome:
+    """Run an experiment again: its tables, figures and report. Without NAME: which there are."""
+    from .commands.study import run_study
+
+    return run_study(name, out=out, jobs=jobs, resume=resume, seed=seed)
+
+
+@contextmanager
+def _progress(what: str) -> Iterator[Callable[[float], None]]:
+    """Show a bar on standard error after two seconds, where a person looks."""
+    bars: list[Any] = []
+
+    def report(share: float) -> None:
+        if not bars:
+            from tqdm import tqdm
+
+            bars.append(
+                tqdm(
+                    total=1.0,
+                    desc=what,
+                    file=sys.stderr,
+                    delay=2.0,
+                    leave=False,
+                    disable=not sys.stderr.isatty(),
+                    bar_format="{desc} {percentage:3.0f} % |{bar}| {remaining} left",
+                )
+            )
+        bars[0].update(share - bars[0].n)
+
+    try:
+        yield report
+    finally:
+        for bar in bars:
+            bar.close()
+
+
+def main() -> None:
+    """Run the command line of this process."""
+    sys.exit(run(sys.argv[1:]))
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Run a command and return its exit code; no exception leaves.
+
+    Args:
+        arguments: What follows `narrows` on the command line.
+    """
+    as_json = "--json" in arguments
+    try:
+        try:
+            outcome = narrows.main(list(arguments), prog_name="narrows", standalone_mode=False)
+            code = _print(outcome, as_json) if isinstance(outcome, Outcome) else int(outcome or OK)
+        except click.exceptions.Abort:
+            return _INTERRUPTED
+        except click.ClickException as error:
+            code = _print_usage_error(error, as_json)
+        except (NarrowsError, OSError) as error:
+            if isinstance(error, BrokenPipeError):
+                raise
+            code = _print_error(error, as_json)
+        sys.stdout.flush()
+    except KeyboardInterrupt:
+        return _INTERRUPTED
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # nothing left to flush
+        return _BROKEN_PIPE
+    return code
+
+
+def _print(outcome: Outcome, as_json: bool) -> int:
+    for note in outcome.notes:
+        click.echo(f"narrows: {note}", err=True)
+    click.echo(outcome.as_json() if as_json else outcome.text)
+    return outcome.code
+
+
+def _print_usage_error(error: click.ClickException, as_json: bool) -> int:
+    """Print what is wrong with the command line, and where its help is."""
+    message = error.format_message()
+    context = getattr(error, "ctx", None)
+    command = context.command_path if context is not None else "narrows"
+    click.echo(f"narrows: {message}\nTry '{command} --help'.", err=True)
+    if as_json:
+        click.echo(json.dumps({"status": "error", "reason": message}))
+    return WRONG_INPUT
+
+
+def _print_error(error: Exception, as_json: bool) -> int:
+    """Print what is wrong with the input, in one message."""
+    click.echo(f"narrows: {error}", err=True)
+    if as_json:
+        fields: dict[str, Any] = {"status": "error", "reason": str(error)}
+        if isinstance(error, InputError):
+            fields |= {"file": error.file, "line": error.line, "field": error.field}
+        click.echo(json.dumps(fields))
+    return WRONG_INPUT
+
+
+if __name__ == "__main__":
+    main()

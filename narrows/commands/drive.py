@@ -1,0 +1,214 @@
+"""`narrows drive`: plan, track in the simulator, record, judge."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..errors import InputError, ShapeError
+from ..files import check_can_be_written
+from ..formats import check_suffix, read_trajectory, write_trajectory
+from ..interfaces import Plan, Tracker
+from ..path import Path
+from ..scene import Scene, load_scene
+from ..se2 import Array
+from ..simulation.contacts import certify_drive
+from ..simulation.judge import Verdict, judge
+from ..simulation.record import Record, write_record
+from ..simulation.simulator import simulate
+from ..tracking.lookahead import LookaheadTracker
+from ..trajectory import Trajectory
+from ..vehicle import Vehicle
+from ..verification import verify
+from .outcome import NOT_FOUND, OK, Outcome, lines, millimetres
+from .plan import check_picture, describe_plan, exit_code
+
+TRACKERS: dict[str, Callable[[Path | Trajectory, Vehicle], Tracker]] = {
+    "lookahead": LookaheadTracker,
+}
+"""Trackers by the names of `--tracker`."""
+
+
+@dataclass(frozen=True)
+class DriveFiles:
+    """Where a drive's results go; None: nowhere.
+
+    Attributes:
+        trajectory: The trajectory planned, .csv or .json.
+        record: The drive in rows, .csv.
+        picture: .png or .svg.
+    """
+
+    trajectory: str | None = None
+    record: str | None = None
+    picture: str | None = None
+
+    def check(self) -> None:
+        """Say early that one of them cannot be written."""
+        if self.trajectory is not None:
+            check_suffix(self.trajectory)
+        if self.record is not None and not self.record.lower().endswith(".csv"):
+            raise InputError("records are written as CSV", file=self.record, allowed=".csv")
+        for file in (self.trajectory, self.record):
+            if file is not None:
+                check_can_be_written(file)
+        check_picture(self.picture)
+
+    @property
+    def named(self) -> str:
+        """The files there are, for people."""
+        return ", ".join(f for f in (self.trajectory, self.record, self.picture) if f is not None)
+
+
+def run_drive(
+    scene_file: str,
+    *,
+    tracker: str,
+    planner: str,
+    given: str | None,
+    files: DriveFiles,
+    report: Callable[[float], None] | None = None,
+) -> Outcome:
+    """Plan a scene or take a given trajectory, drive it in the simulator, judge the drive.
+
+    Args:
+        scene_file: The scene.
+        tracker: One of `TRACKERS`.
+        planner: The planner's name, as for `narrows plan`.
+        given: A trajectory to drive instead of planning one.
+        files: Where results go.
+        report: Called with the share of the drive that is done.
+    """
+    if tracker not in TRACKERS:
+        allowed = ", ".join(TRACKERS)
+        raise InputError(
+            "there is no such tracker", field="--tracker", value=tracker, allowed=allowed
+        )
+    if given is not None and files.trajectory is not None:
+        raise InputError("--save-trajectory saves what is planned; leave it out with --trajectory")
+    files.check()
+    scene = load_scene(scene_file)
+    if given is None:
+        from ..planners import plan
+
+        planned = plan(scene, planner=planner)
+        if planned.trajectory is None:
+            return _not_planned(scene, planned, files)
+        motion: Path | Trajectory = planned.trajectory
+        head, notes = describe_plan(scene, planned), []
+        if files.trajectory is not None:
+            write_trajectory(planned.trajectory, files.trajectory, vehicle=scene.vehicle)
+    else:
+        motion = read_trajectory(given)
+        found = verify(scene, motion)
+        head = f"{scene.name or scene_file}: {given}, {found.status}"
+        notes = [f"{given} is {found.status}: {found.reason}"] if found.problems else []
+        notes += [f"{given}: {note}" for note in found.notes if not found.problems]
+    watched = _Watched(TRACKERS[tracker](motion, scene.vehicle))
+    record = simulate(scene, watched, reference=motion, report=report)
+    verdict = judge(scene, record)
+    if files.record is not None:
+        write_record(record, files.record)
+    if files.picture is not None:
+        _draw(scene, motion, record, verdict, watched, files.picture)
+    text = _describe(head, verdict, files.named)
+    code = OK if verdict.reached else NOT_FOUND
+    if not verdict.reached:
+        notes.append(verdict.reason)
+    return Outcome(code, verdict.figures(), text, tuple(notes))
+
+
+@dataclass(eq=False)
+class _Watched:
+    """A tracker whose look-ahead errors are kept for the picture, if it has any."""
+
+    tracker: Tracker
+    rows: list[tuple[float, float]] = field(default_factory=list)
+
+    @property
+    def progress(self) -> float:
+        return self.tracker.progress
+
+    @property
+    def finished(self) -> bool:
+        return self.tracker.finished
+
+    def step(self, time: float, pose: ArrayLike) -> Array:
+        command = self.tracker.step(time, pose)
+        if isinstance(self.tracker, LookaheadTracker):
+            self.rows.append((time, self.tracker.lookahead_error))
+        return command
+
+    def errors_at(self, times: Array) -> Array | None:
+        """Return the look-ahead error at times (N,), held from step to step; None if none."""
+        if not self.rows:
+            return None
+        table = np.array(self.rows)
+        return np.asarray(table[np.searchsorted(table[:, 0], times, side="right") - 1, 1])
+
+
+def _not_planned(scene: Scene, plan: Plan, files: DriveFiles) -> Outcome:
+    """Return the outcome of a drive that had nothing to drive."""
+    if files.picture is not None:
+        from ..viewer.pictures import plan_picture, save_picture
+
+        save_picture(plan_picture(scene, plan), files.picture)
+    names = (
+        "collisions",
+        "min_clearance_m",
+        "max_cross_track_error_m",
+        "final_position_error_m",
+        "final_heading_error_deg",
+        "duration_s",
+        "length_m",
+    )
+    fields = {"reached": False, **dict.fromkeys(names)}
+    note = f"nothing was driven, {plan.status.value}: {plan.reason}"
+    return Outcome(exit_code(plan), fields, describe_plan(scene, plan), (note,))
+
+
+def _draw(
+    scene: Scene,
+    motion: Path | Trajectory,
+    record: Record,
+    verdict: Verdict,
+    watched: _Watched,
+    file: str,
+) -> None:
+    from ..viewer.charts import TrackingErrors
+    from ..viewer.pictures import drive_picture, save_picture
+
+    try:
+        driven = Trajectory.from_samples(record.times, record.poses)
+    except ShapeError as error:
+        raise InputError("the chair never moved: there is nothing to draw", file=file) from error
+    errors = None
+    if record.has_reference:
+        ahead = watched.errors_at(record.times)
+        errors = TrackingErrors(record.times, record.cross_track, ahead)
+    figure = drive_picture(
+        scene,
+        driven,
+        certify_drive(scene.world, scene.vehicle, record.times, record.poses),
+        planned=motion.path if isinstance(motion, Trajectory) else motion,
+        errors=errors,
+        text=verdict.reason,
+    )
+    save_picture(figure, file)
+
+
+def _describe(head: str, verdict: Verdict, written: str) -> str:
+    cross = verdict.max_cross_track_error
+    return lines(
+        head,
+        f"driven: {'reached' if verdict.reached else 'not reached'}",
+        f"  {verdict.reason}",
+        ("proven clearance", millimetres(verdict.min_clearance)),
+        ("collisions", f"{len(verdict.contacts)}"),
+        "" if cross is None else ("tracking error", f"at most {1e3 * cross:.0f} mm"),
+        ("driven", f"{verdict.length:.2f} m in {verdict.duration:.1f} s"),
+        ("written", written) if written else "",
+    )

@@ -1,0 +1,21 @@
+"""`narrows study`: an experiment, regenerated in one command."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ..errors import StudyError
+from ..studies import run, summaries
+from .outcome import OK, Outcome, lines
+
+
+def run_study(name: str | None, *, out: str | None, jobs: int, resume: bool, seed: int) -> Outcome:
+    """Run a study into a folder; without a name, say which studies there are."""
+    if name is None:
+        rows = [(study, summary) for study, summary in summaries().items()]
+        return Outcome(OK, {}, lines("studies:", *rows))
+    if seed < 0:
+        raise StudyError("the seed is negative", field="--seed", value=seed, allowed=">= 0")
+    folder = Path(out) if out is not None else Path("out") / name
+    report = run(name, folder, jobs=jobs, resume=resume, seed=seed)
+    return Outcome(OK, {}, lines(report.text.rstrip(), f"\nwritten to {report.file}"))
