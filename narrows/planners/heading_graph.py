@@ -15,7 +15,7 @@ Rounding. Everything sure is computed for a body 10 um larger (20 um for sweeps)
 possible for one 10 um smaller (20 um for cores). The overlay of polygons rounds by less than
 1e-10 m at the size of a building, and by at most 1e-6 m where it must snap; so no rounding can
 open or close a way, and nested cells stay nested with room to spare. A cell whose place in the
-nesting is nevertheless not found is counted in `anomalies`, and forbids the verdict it could
+nesting is nevertheless not found is counted as an anomaly, and forbids the verdict it could
 falsify.
 """
 
@@ -71,7 +71,6 @@ class HeadingGraph:
     window: Array
     open_window: bool
     headings: list[float]
-    anomalies: int = field(default=0, init=False)
     sure_nodes: dict[float, CellSet] = field(default_factory=dict, init=False)
     possible_nodes: dict[float, CellSet] = field(default_factory=dict, init=False)
     sure_joins: dict[float, CellSet] = field(default_factory=dict, init=False)
@@ -79,9 +78,8 @@ class HeadingGraph:
 
     def __post_init__(self) -> None:
         """Keep the obstacles near the window and the four sizes of the body."""
-        # The mitred corners of a grown body reach at most this far from the pivot.
-        thick = [layer.grown(self.growth + 3.0 * EPSILON).corners for layer in self.problem.layers]
-        reach = max((float(np.hypot(*c.T).max()) for c in thick if c is not None), default=0.0)
+        reach = self.problem.reach(self.growth + 3.0 * EPSILON)
+        # A sweep over +-15 deg reaches 1 / cos(15 deg) further than the body.
         near = [pieces.near(self.window, 1.1 * reach) for pieces in self.problem.pieces]
         self._inside = [pieces.inside for pieces in near]
         self._around = [pieces.around for pieces in near]
@@ -89,6 +87,10 @@ class HeadingGraph:
             step: [b.grown(self.growth + step * EPSILON) for b in self.problem.layers]
             for step in (-2, -1, 1, 2)
         }
+
+    def recut(self, headings: list[float]) -> HeadingGraph:
+        """Return the same graph cut at other headings, nothing computed yet."""
+        return HeadingGraph(self.problem, self.growth, self.window, self.open_window, headings)
 
     def half_angle(self, index: int) -> float:
         """Return half the width of interval `index` [rad]."""

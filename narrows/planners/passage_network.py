@@ -26,6 +26,22 @@ UNDECIDABLE = 1e6
 _START, _GOAL, _BEYOND = 0, 1, 2
 
 
+@dataclass(frozen=True, eq=False)
+class Step:
+    """A free cell at one heading, on a sure way from start to goal.
+
+    Attributes:
+        heading: The heading [rad].
+        cell: Where the pivot may be, a polygon [m].
+        exit: Where the pivot is when the body turns to the next step's heading [m]; on the last
+            step a point of the cell.
+    """
+
+    heading: float
+    cell: shapely.Polygon
+    exit: tuple[float, float]
+
+
 @dataclass(eq=False)
 class PassageNetwork:
     """Edges between the cells of a heading graph, rebuilt as the graph is refined.
@@ -51,6 +67,7 @@ class PassageNetwork:
     def build(self, *, possible: bool) -> None:
         """Find vertices and edges of the graph as it is cut now."""
         self.anomalies = 0
+        self._hopes: dict[int, Array] = {}
         self._first: dict[tuple[str, float], int] = {}
         self._edges: list[tuple[int, int, float]] = []
         self._vertices = 3
@@ -114,14 +131,17 @@ class PassageNetwork:
         if index >= 0:
             self._edges.append((_START, self._first["sure", start] + index, SURE))
         for heading in graph.headings:
-            if problem.goal_heading_offset(heading) <= problem.heading_tolerance + 1e-9:
+            offset = problem.goal_heading_offset(heading)
+            if offset <= problem.heading_tolerance + 1e-9:
                 near = _within(
                     graph.sure_nodes[heading].cells,
                     problem.goal_pivot(heading),
                     problem.position_tolerance,
                 )
                 base = self._first["sure", heading]
-                self._edges += [(_GOAL, base + int(k), SURE) for k in near]
+                # A way that ends at the goal's own heading is worth a few more turns.
+                cost = SURE if offset < 1e-6 else 10.0 * SURE
+                self._edges += [(_GOAL, base + int(k), cost) for k in near]
 
     def _start_heading(self) -> float:
         """Return the cut that is the start's heading."""
@@ -143,6 +163,7 @@ class PassageNetwork:
                 for node, join in enumerate(found.tolist()):
                     if join < 0:
                         self.anomalies += 1
+                        continue
                     for vertex in self._stand_ins(side, node):
                         self._edges.append((base + join, vertex, cost))
             if graph.open_window:
@@ -210,10 +231,68 @@ class PassageNetwork:
         matrix = self._matrix(len(self._edges))
         return np.asarray(dijkstra(matrix, directed=False, indices=[_GOAL])[0])
 
+    @property
+    def goal_is_possible(self) -> bool:
+        """Whether any cell reaches into the goal region."""
+        return any(_GOAL in edge[:2] for edge in self._edges)
+
+    def sides(self, heading: float) -> tuple[list[shapely.Polygon], list[shapely.Polygon]]:
+        """Return the possible nodes at a cut that hang together with start and with goal."""
+        hopes = (self._hope_from(_START), self._hope_from(_GOAL))
+        cells = self.graph.possible_nodes[heading].cells
+        start, goal = (
+            [
+                cell
+                for node, cell in enumerate(cells)
+                if any(np.isfinite(cost[vertex]) for vertex in self._stand_ins(heading, node))
+            ]
+            for cost in hopes
+        )
+        return start, goal
+
+    def start_side(self, heading: float) -> list[shapely.Polygon]:
+        """Return the joins over the interval from a cut that are possibly reached from start."""
+        cost = self._hope_from(_START)[self.joins_at(heading)]
+        cells = self.graph.possible_joins[heading].cells
+        return [cell for cell, c in zip(cells, cost, strict=True) if np.isfinite(c)]
+
+    def _hope_from(self, end: int) -> Array:
+        if end not in self._hopes:
+            self._hopes[end] = self.costs() if end == _START else self.costs_to_goal()
+        return self._hopes[end]
+
     def joins_at(self, heading: float) -> slice:
         """Return the vertices of the possible joins over the interval that begins there."""
         first = self._first["join", heading]
         return slice(first, first + len(self.graph.possible_joins[heading].cells))
+
+    def way(self) -> list[Step]:
+        """Return the free cells of a sure way from start to goal; empty if none is known."""
+        matrix = self._matrix(self._sure_edge_count)
+        cost, before = dijkstra(matrix, directed=False, indices=[_START], return_predecessors=True)
+        if not np.isfinite(cost[0][_GOAL]):
+            return []
+        order = [int(before[0][_GOAL])]
+        while order[-1] != _START:
+            order.append(int(before[0][order[-1]]))
+        cells = self._cells_by_vertex()
+        chain = [cells[vertex] for vertex in order[-2::-1]]
+        # Nodes and turns alternate, beginning and ending with a node.
+        nodes, turns = chain[0::2], [*chain[1::2], chain[-1]]
+        return [
+            Step(heading, cell, turn_point)
+            for (heading, cell, _), (_, _, turn_point) in zip(nodes, turns, strict=True)
+        ]
+
+    def _cells_by_vertex(self) -> dict[int, tuple[float, shapely.Polygon, tuple[float, float]]]:
+        found = {}
+        for kind, sets in (("sure", self.graph.sure_nodes), ("turn", self.graph.sure_joins)):
+            for heading in self.graph.headings:
+                first = self._first[kind, heading]
+                group = sets[heading]
+                for k, (cell, point) in enumerate(zip(group.cells, group.points, strict=True)):
+                    found[first + k] = (heading, cell, (float(point[0]), float(point[1])))
+        return found
 
     def _matrix(self, count: int) -> csr_array:
         rows, columns, data = [], [], []

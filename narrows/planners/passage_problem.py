@@ -82,10 +82,18 @@ class PassageProblem:
         return replace(problem, headings=_first_headings(problem))
 
     @property
-    def radius(self) -> float:
-        """Distance of the body's furthest point from the pivot [m]."""
-        corners = [layer.corners for layer in self.layers]
-        return max(float(np.linalg.norm(c, axis=1).max()) for c in corners if c is not None)
+    def smallest_growth(self) -> float:
+        """Growth, negative, that leaves nothing of the body but a millimetre [m]."""
+        depths = []
+        for layer in self.layers:
+            shape = shapely.Polygon(layer.corners)
+            depths.append(shapely.maximum_inscribed_circle(shape, 1e-3).length)
+        return 5e-4 - max(depths)
+
+    def reach(self, growth: float) -> float:
+        """Return how far the body grown by `growth` reaches from the pivot, mitres included [m]."""
+        corners = [layer.grown(growth).corners for layer in self.layers]
+        return max((float(np.hypot(*c.T).max()) for c in corners if c is not None), default=0.0)
 
     def goal_pivot(self, heading: float) -> Array:
         """Return where the pivot is in the middle of the goal region at a heading, (2,), [m]."""
@@ -106,8 +114,7 @@ class PassageProblem:
                 if len(pieces.around):
                     low = np.minimum(low, pieces.around.min(axis=(0, 1)))
                     high = np.maximum(high, pieces.around.max(axis=(0, 1)))
-        # Mitred corners reach further than the growth itself.
-        reach = 4.0 * (self.radius + 4.0 * max(growth, 0.0)) + self.position_tolerance
+        reach = 4.0 * self.reach(max(growth, 0.0)) + self.position_tolerance + 0.1
         return np.concatenate([low - reach, high + reach])
 
 

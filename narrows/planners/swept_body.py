@@ -22,11 +22,9 @@ _FAR = 1e3  # half side of the square that half planes are cut from [m]
 def cut_by_half_planes(normals: Array, offsets: Array) -> Array | None:
     """Return the convex polygon {x : normals x <= offsets}, or None where it is empty.
 
-    >>> cut_by_half_planes(np.array([[1.0, 0], [0, 1], [-1, 0], [0, -1]]), np.ones(4))
-    array([[-1., -1.],
-           [ 1., -1.],
-           [ 1.,  1.],
-           [-1.,  1.]])
+    >>> corners = cut_by_half_planes(np.array([[0.0, 1.0], [-1, 0], [0.6, -0.8]]), np.ones(3))
+    >>> sorted(corners.round(9).tolist())
+    [[-1.0, -2.0], [-1.0, 1.0], [3.0, 1.0]]
 
     Args:
         normals: Outward unit normals, shape (K, 2).

@@ -1,0 +1,81 @@
+"""Decide about start and goal in the smallest part of the world that suffices.
+
+A way found inside a window is a way. A proof that no way exists may leave out obstacles: what
+keeps start and goal apart inside the window, with everything beyond it taken as free, keeps them
+apart. Only where the answer hangs on what is beyond is a larger window taken.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..se2 import Array
+from .heading_graph import HeadingGraph
+from .passage_problem import PassageProblem
+from .passage_refinement import Answer, Decision, decide
+
+_FEW = 60  # obstacle pieces that are all taken at once
+_MOST_HEADINGS = 400  # cuts handed on from one decision to the next
+
+
+@dataclass(eq=False)
+class PassageDecider:
+    """Decides for one growth of the body after another; what one needed the next begins with.
+
+    Attributes:
+        problem: The question.
+        finest: Heading intervals narrower than this are not halved [rad].
+        deadline: Process time to stop at [s].
+        decisions: Number of heading graphs decided.
+    """
+
+    problem: PassageProblem
+    finest: float
+    deadline: float
+    decisions: int = field(default=0, init=False)
+    _level: int = field(default=0, init=False)
+
+    def __post_init__(self) -> None:
+        """Begin with the first cuts and the smallest window."""
+        self._headings = list(self.problem.headings)
+
+    @property
+    def out_of_time(self) -> bool:
+        """Whether the deadline has passed."""
+        return time.process_time() > self.deadline
+
+    def decide(self, growth: float, *, headings: list[float] | None = None) -> Decision:
+        """Return what is known of start and goal for a body grown by `growth` [m].
+
+        Args:
+            growth: How far every edge of the body is moved outward [m].
+            headings: Cuts to begin with; default: those the last decision needed.
+        """
+        while True:
+            window, whole = self._window(growth)
+            cuts = list(self._headings if headings is None else headings)
+            graph = HeadingGraph(self.problem, growth, window, not whole, cuts)
+            decision = decide(graph, self.finest, self.deadline)
+            self.decisions += 1
+            if decision.answer in (Answer.JOINED, Answer.APART, Answer.TOO_LONG) or whole:
+                if len(graph.headings) <= _MOST_HEADINGS:
+                    self._headings = list(graph.headings)
+                return decision
+            if self.out_of_time:
+                return Decision(Answer.TOO_LONG, decision.network)
+            self._level += 1
+
+    def _window(self, growth: float) -> tuple[Array, bool]:
+        problem = self.problem
+        everything = problem.whole_window(growth)
+        if sum(len(pieces.around) for pieces in problem.pieces) <= _FEW:
+            return everything, True
+        ends = np.array([problem.start[:2], problem.goal_pivot(float(problem.goal[2]))])
+        reach = max(2.0 * problem.reach(growth), 1.5) + problem.position_tolerance
+        margin = reach * 2.0**self._level
+        window = np.concatenate([ends.min(axis=0) - margin, ends.max(axis=0) + margin])
+        inside = (everything[:2] >= window[:2]).all() and (everything[2:] <= window[2:]).all()
+        return (everything, True) if inside else (window, False)

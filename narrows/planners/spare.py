@@ -1,0 +1,141 @@
+"""How much larger the body may be, or how much smaller it must be, by bisection.
+
+The body grows *uniformly*: every edge of every layer moves outward by the same growth, corners
+mitred; a rectangle becomes longer and wider by twice the growth. The figure for people is twice
+the growth, so that it reads as widths do: a body 0.67 m wide that drives straight through a
+0.90 m door has 0.23 m to spare. The larger the body, the fewer its ways: the largest growth
+that still passes is found between one that is proven to pass and one that is proven not to.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+from ..se2 import Array
+from .narrowest import narrowest_place
+from .passage_refinement import Answer, Decision
+from .passage_windows import PassageDecider
+
+BRACKET = 5e-4  # growth [m]; the spare room is twice that
+LARGEST = 1.0  # growth beyond this is not looked for [m]
+_STEP_ASIDE = 1.2e-4  # where a growth touches exactly, its neighbours are tried [m]
+
+
+class Limit(Enum):
+    """What ends the growth."""
+
+    BETWEEN = "between start and goal"
+    START = "at the start"
+    GOAL = "at the goal"
+    NOTHING = "nothing within the largest growth looked for"
+    NO_WAY = "not even a body shrunk to nothing passes"
+
+
+@dataclass(frozen=True, eq=False)
+class Spare:
+    """How much larger the body may be.
+
+    Attributes:
+        proven: Twice the largest growth proven to pass; negative: that much is missing [m].
+        refuted: Twice the smallest growth proven not to pass [m]; `proven` where none was found.
+        limit: What ends the growth.
+        narrowest: The narrowest place in the world, shape (2,), [m]; the middle of the body
+            there, or of the body at start or goal where those end the growth.
+    """
+
+    proven: float
+    refuted: float
+    limit: Limit
+    narrowest: Array
+
+
+@dataclass(eq=False)
+class _Bracket:
+    """Largest growth known to pass, smallest known not to."""
+
+    decider: PassageDecider
+    joined: Decision | None = None
+    apart: Decision | None = None
+
+    def try_growth(self, growth: float) -> Answer:
+        decision = self.decider.decide(growth)
+        self.take(decision)
+        return decision.answer
+
+    def take(self, decision: Decision) -> None:
+        growth = decision.graph.growth
+        if decision.answer is Answer.JOINED:
+            if self.joined is None or growth > self.joined.graph.growth:
+                self.joined = decision
+        elif decision.answer is Answer.APART and (
+            self.apart is None or growth < self.apart.graph.growth
+        ):
+            self.apart = decision
+
+    @property
+    def width(self) -> float:
+        if self.joined is None or self.apart is None:
+            return float("inf")
+        return self.apart.graph.growth - self.joined.graph.growth
+
+
+def find_spare(decider: PassageDecider, at_zero: Decision) -> Spare:
+    """Return the spare room of the body, or what is missing.
+
+    Args:
+        decider: Decides about grown bodies; its deadline ends the search early, then `proven`
+            and `refuted` are further apart than a millimetre.
+        at_zero: The decision about the body as it is.
+    """
+    bracket = _Bracket(decider)
+    bracket.take(at_zero)
+    _enclose(bracket)
+    _narrow(bracket)
+    joined, apart = bracket.joined, bracket.apart
+    smallest = decider.problem.smallest_growth
+    proven = 2.0 * (smallest if joined is None else joined.graph.growth)
+    refuted = proven if apart is None else 2.0 * apart.graph.growth
+    if apart is None:
+        limit, place = Limit.NOTHING, decider.problem.start[:2]
+    elif joined is None:
+        limit, place = Limit.NO_WAY, narrowest_place(decider, None, apart)
+    else:
+        place = narrowest_place(decider, joined, apart)
+        if not apart.network.start_is_possible:
+            limit = Limit.START
+        elif not apart.network.goal_is_possible:
+            limit = Limit.GOAL
+        else:
+            limit = Limit.BETWEEN
+    return Spare(proven, refuted, limit, place + decider.problem.origin)
+
+
+def _enclose(bracket: _Bracket) -> None:
+    """Find one growth that passes and one that does not, going out in widening steps."""
+    smallest = bracket.decider.problem.smallest_growth
+    step = 0.04
+    while bracket.apart is None and not bracket.decider.out_of_time and step < 2.0 * LARGEST:
+        bracket.try_growth(min(step, LARGEST))
+        step *= 2.0
+    step = 0.02
+    while bracket.joined is None and not bracket.decider.out_of_time:
+        bracket.try_growth(max(-step, smallest))
+        if -step <= smallest:
+            break
+        step *= 2.0
+
+
+def _narrow(bracket: _Bracket) -> None:
+    """Halve the bracket; where a growth fits exactly, close in from both sides."""
+    while BRACKET < bracket.width < float("inf") and not bracket.decider.out_of_time:
+        if bracket.joined is None or bracket.apart is None:
+            return
+        low, high = bracket.joined.graph.growth, bracket.apart.graph.growth
+        middle = 0.5 * (low + high)
+        answer = bracket.try_growth(middle)
+        if answer not in (Answer.JOINED, Answer.APART):
+            aside = (max(low, middle - _STEP_ASIDE), min(high, middle + _STEP_ASIDE))
+            answers = [bracket.try_growth(growth) for growth in aside]
+            if not {Answer.JOINED, Answer.APART} & set(answers):
+                return
