@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
-
-import numpy as np
-from numpy.typing import ArrayLike
+from dataclasses import dataclass
 
 from ..errors import InputError, ShapeError
 from ..files import check_can_be_written
@@ -14,7 +11,6 @@ from ..formats import check_suffix, read_trajectory, write_trajectory
 from ..interfaces import Plan, Tracker
 from ..path import Path
 from ..scene import Scene, load_scene
-from ..se2 import Array
 from ..simulation.contacts import certify_drive
 from ..simulation.judge import Verdict, judge
 from ..simulation.record import Record, write_record
@@ -107,47 +103,18 @@ def run_drive(
         head = f"{scene.name or scene_file}: {given}, {found.status}"
         notes = [f"{given} is {found.status}: {found.reason}"] if found.problems else []
         notes += [f"{given}: {note}" for note in found.notes if not found.problems]
-    watched = _Watched(TRACKERS[tracker](motion, scene.vehicle))
-    record = simulate(scene, watched, reference=motion, report=report)
+    follower = TRACKERS[tracker](motion, scene.vehicle)
+    record = simulate(scene, follower, reference=motion, report=report)
     verdict = judge(scene, record)
     if files.record is not None:
         write_record(record, files.record)
     if files.picture is not None:
-        _draw(scene, motion, record, verdict, watched, files.picture)
+        _draw(scene, motion, record, verdict, files.picture)
     text = _describe(head, verdict, files.named)
     code = OK if verdict.reached else NOT_FOUND
     if not verdict.reached:
         notes.append(verdict.reason)
     return Outcome(code, verdict.figures(), text, tuple(notes))
-
-
-@dataclass(eq=False)
-class _Watched:
-    """A tracker whose look-ahead errors are kept for the picture, if it has any."""
-
-    tracker: Tracker
-    rows: list[tuple[float, float]] = field(default_factory=list)
-
-    @property
-    def progress(self) -> float:
-        return self.tracker.progress
-
-    @property
-    def finished(self) -> bool:
-        return self.tracker.finished
-
-    def step(self, time: float, pose: ArrayLike) -> Array:
-        command = self.tracker.step(time, pose)
-        if isinstance(self.tracker, LookaheadTracker):
-            self.rows.append((time, self.tracker.lookahead_error))
-        return command
-
-    def errors_at(self, times: Array) -> Array | None:
-        """Return the look-ahead error at times (N,), held from step to step; None if none."""
-        if not self.rows:
-            return None
-        table = np.array(self.rows)
-        return np.asarray(table[np.searchsorted(table[:, 0], times, side="right") - 1, 1])
 
 
 def _not_planned(scene: Scene, plan: Plan, files: DriveFiles) -> Outcome:
@@ -175,7 +142,6 @@ def _draw(
     motion: Path | Trajectory,
     record: Record,
     verdict: Verdict,
-    watched: _Watched,
     file: str,
 ) -> None:
     from ..viewer.charts import TrackingErrors
@@ -187,8 +153,7 @@ def _draw(
         raise InputError("the chair never moved: there is nothing to draw", file=file) from error
     errors = None
     if record.has_reference:
-        ahead = watched.errors_at(record.times)
-        errors = TrackingErrors(record.times, record.cross_track, ahead)
+        errors = TrackingErrors(record.times, record.cross_track)
     figure = drive_picture(
         scene,
         driven,
@@ -208,7 +173,7 @@ def _describe(head: str, verdict: Verdict, written: str) -> str:
         f"  {verdict.reason}",
         ("proven clearance", millimetres(verdict.min_clearance)),
         ("collisions", f"{len(verdict.contacts)}"),
-        "" if cross is None else ("tracking error", f"at most {1e3 * cross:.0f} mm"),
+        "" if cross is None else ("tracking error", f"at most {1e3 * cross:.1f} mm"),
         ("driven", f"{verdict.length:.2f} m in {verdict.duration:.1f} s"),
         ("written", written) if written else "",
     )

@@ -5,29 +5,35 @@ from __future__ import annotations
 from ..scene import load_scene
 from .outcome import IMPASSABLE, NOT_FOUND, OK, Outcome, lines
 
-_CODES = {"passable": OK, "impassable": IMPASSABLE, "undecided": NOT_FOUND}
-
 
 def run_passable(scene_file: str) -> Outcome:
     """Decide whether a scene can be passed at all."""
-    from ..planners.passage import passable
+    from ..planners.passage import PassageStatus, passable
 
+    codes = {
+        PassageStatus.PASSABLE: OK,
+        PassageStatus.IMPASSABLE: IMPASSABLE,
+        PassageStatus.UNDECIDED: NOT_FOUND,
+    }
     verdict = passable(load_scene(scene_file))
-    status = getattr(verdict.status, "value", verdict.status)
-    spare, narrowest = verdict.spare_mm, verdict.narrowest
+    spare, narrowest = verdict.spare_m, verdict.narrowest
     where = None if narrowest is None else [float(value) for value in narrowest]
     fields = {
-        "status": status,
-        "spare_mm": spare,
+        "status": verdict.status.value,
+        "spare_mm": None if spare is None else 1e3 * spare,
         "narrowest": where,
         "reason": verdict.reason,
         "time_s": verdict.time_s,
     }
-    width = "unknown" if spare is None else f"{abs(spare):.0f} mm {'missing' * (spare < 0)}".strip()
     text = lines(
-        f"{scene_file}: {status}",
+        f"{scene_file}: {verdict.status.value}",
         f"  {verdict.reason}",
-        ("to spare" if spare is None or spare >= 0 else "width", width),
+        "" if spare is None else ("to spare" if spare >= 0.0 else "missing", _mm(abs(spare))),
         "" if where is None else ("narrowest", f"at ({where[0]:.2f}, {where[1]:.2f})"),
+        ("decided in", f"{verdict.time_s:.1f} s"),
     )
-    return Outcome(_CODES[status], fields, text)
+    return Outcome(codes[verdict.status], fields, text)
+
+
+def _mm(length: float) -> str:
+    return f"{1e3 * length:.0f} mm"

@@ -17,6 +17,8 @@ from narrows.vehicle import Vehicle
 
 from . import palette
 
+_SHOWN = 0.3  # m: more clearance is not drawn unless there is nowhere less
+
 
 @dataclass(frozen=True, eq=False)
 class TrackingErrors:
@@ -96,7 +98,8 @@ def draw_clearance(axes: Axes, motion: Path | Trajectory, scene: Scene, colour: 
         ha="right",
         fontsize=9,
     )
-    axes.set_ylim(bottom=min(0.0, 1.1e3 * float(clearance.min())))
+    least = float(clearance.min())
+    axes.set_ylim(min(0.0, 1.1e3 * least), 1.05e3 * min(max(_SHOWN, 2.0 * least), clearance.max()))
     _finish(axes, "clearance from what stands still", name, "clearance [mm]")
 
 
@@ -112,9 +115,9 @@ def draw_tracking(axes: Axes, errors: TrackingErrors) -> None:
         axes.legend(loc="best", fontsize=9, framealpha=0.85)
     axes.axhline(0.0, color=palette.OUTLINE, linewidth=0.8)
     greatest = float(np.abs(cross).max(initial=0.0))
-    if greatest < 1.0:
-        axes.set_ylim(-1.5, 1.5)
-    _finish(axes, f"tracking error, at most {greatest:.0f} mm", "time [s]", "error [mm]")
+    if greatest < 5.0 and errors.lookahead is None:
+        axes.set_ylim(-6.0, 6.0)
+    _finish(axes, f"tracking error, at most {greatest:.1f} mm", "time [s]", "error [mm]")
 
 
 def _draw_limit(axes: Axes, limit: float, *, both: bool) -> None:

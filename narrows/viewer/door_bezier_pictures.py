@@ -39,6 +39,9 @@ _LINES: tuple[tuple[str, Any], ...] = (
 )
 
 
+_DRIVEN: Any = (0, (2.5, 1.6))
+
+
 @dataclass(frozen=True, eq=False)
 class DrawnTrajectory:
     """A reference curve with how it was driven.
@@ -96,42 +99,74 @@ def trajectories_figure(
     scenario.
     """
     with matplotlib.rc_context(_STYLE):
-        figure = _figure(12.0, 7.6)
+        figure = _figure(12.0, 6.8)
         panels = figure.subplots(1, len(scenarios), squeeze=False)[0]
-        views = {"A": (-0.9, 0.0, 2.6, 4.0), "B": (-0.4, 0.0, 4.1, 4.0)}
+        views = {"A": (-1.2, 0.0, 3.3, 4.0), "B": (-0.4, 0.0, 4.1, 4.0)}
         for axes, (scenario, drawn) in zip(panels, scenarios.items(), strict=True):
-            view = views.get(scenario, (-1.0, 0.0, 4.0, 4.0))
-            _draw_world(axes, world, view)
+            _draw_world(axes, world, views.get(scenario, (-1.0, 0.0, 3.5, 4.0)))
             for (colour, _), one in zip(_LINES, drawn, strict=False):
-                points = bezier.evaluate(one.control, np.linspace(0.0, 1.0, 300))
-                axes.plot(*points.T, color=colour, linewidth=2.6, label=f"{one.name} reference")
-                style = (0, (2.5, 1.6))
-                axes.plot(*one.driven.T, color=palette.INK, linewidth=1.3, ls=style, zorder=4)
-                axes.plot(*one.control[1:3].T, "o", color=colour, markersize=5, zorder=4)
+                _draw_trajectory(axes, one, colour)
             worst = max(drawn, key=lambda one: one.depth_mm)
             if worst.hit is not None:
-                label = f"chair on {worst.name}: cuts {worst.depth_mm:.0f} mm into the jamb"
-                _draw_body(axes, worst.hit, vehicle, label)
-            axes.plot([], [], color=palette.INK, linewidth=1.3, ls=(0, (2.5, 1.6)), label="driven")
+                _draw_body(axes, worst.hit, vehicle)
+                text = f"the chair on {worst.name}\ncuts {worst.depth_mm:.0f} mm into the jamb"
+                axes.annotate(
+                    text,
+                    worst.hit[:2],
+                    (0.98, 0.1),
+                    textcoords="axes fraction",
+                    ha="right",
+                    color=palette.REFUSED,
+                    zorder=6,
+                    arrowprops={"arrowstyle": "-", "color": palette.REFUSED},
+                )
             axes.set_title(f"Scenario {scenario}")
-            axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.11), ncols=2, fontsize=11)
             _zoom(axes, drawn[0], palette.BLUE, left=scenario != "A")
-        figure.suptitle(
-            "Table I: smoothest convex cubics (dots: free control points) and how they are driven",
-            fontsize=14,
-        )
+        for number, (colour, _) in enumerate(_LINES, start=1):
+            panels[0].plot([], [], color=colour, linewidth=2.6, label=f"reference {number}")
+        panels[0].plot([], [], color=palette.INK, lw=1.3, ls=_DRIVEN, label="driven")
+        panels[0].plot([], [], "o", color=palette.OUTLINE, label="free control points")
+        handles, labels = panels[0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=6, fontsize=11)
+        figure.suptitle("Table I: the smoothest convex cubics and how they are driven", fontsize=14)
     return figure
+
+
+def _draw_trajectory(axes: Axes, one: DrawnTrajectory, colour: str) -> None:
+    """Draw a reference with its name and free control points, and how it was driven."""
+    points = bezier.evaluate(one.control, np.linspace(0.0, 1.0, 300))
+    axes.plot(*points.T, color=colour, linewidth=2.6, zorder=3)
+    axes.plot(*one.driven.T, color=palette.INK, linewidth=1.3, ls=_DRIVEN, zorder=4)
+    axes.plot(*one.control[1:3].T, "o", color=colour, markersize=5, zorder=4)
+    first = one.name.endswith(("1", "2"))
+    place = points[75] if first else points[200]
+    outward = one.control[1:3].mean(axis=0) - place
+    offset = 20.0 * outward / max(float(np.linalg.norm(outward)), 1e-9)
+    axes.annotate(
+        one.name,
+        place,
+        offset,
+        textcoords="offset points",
+        ha="center",
+        va="center",
+        color=colour,
+        fontweight="bold",
+        zorder=6,
+        bbox={"boxstyle": "round,pad=0.15", "facecolor": "white", "edgecolor": "none"},
+    )
 
 
 def _zoom(axes: Axes, one: DrawnTrajectory, colour: str, *, left: bool) -> None:
     """Draw the place where the drive is furthest from the reference, ten times larger."""
     points = bezier.evaluate(one.control, np.linspace(0.0, 1.0, 2000))
     apart = np.linalg.norm(one.driven[:, None] - points[None, ::10], axis=2).min(axis=1)
+    beyond = np.linalg.norm(one.driven - one.control[3], axis=1) < 0.1  # the end is not abeam
+    apart[beyond] = 0.0
     x, y = one.driven[int(apart.argmax())]
-    box = (0.02, 0.66, 0.3, 0.3) if left else (0.69, 0.66, 0.3, 0.3)
+    box = (0.03, 0.62, 0.3, 0.3) if left else (0.68, 0.62, 0.3, 0.3)
     inset = axes.inset_axes(box)
     inset.plot(*points.T, color=colour, linewidth=2.6)
-    inset.plot(*one.driven.T, color=palette.INK, linewidth=1.5, ls=(0, (2.5, 1.6)))
+    inset.plot(*one.driven.T, color=palette.INK, linewidth=1.5, ls=_DRIVEN)
     half = 0.06
     inset.set_xlim(x - half, x + half)
     inset.set_ylim(y - half, y + half)
@@ -158,14 +193,13 @@ def errors_figure(drawn: Sequence[DrawnTrajectory]) -> Figure:
         below.set_ylabel("look-ahead error D_err [mm]")
         below.set_xlabel("curve parameter t [-]")
         below.set_xlim(0.0, 1.0)
-        for bound in (-55.0, 55.0):
-            below.axhline(bound, color=palette.OUTLINE, lw=1.0, ls=(0, (4, 4)), zorder=0)
+        below.axhline(55.0, color=palette.OUTLINE, lw=1.0, ls=(0, (4, 4)), zorder=0)
         below.annotate(
             "the paper's 55 mm",
-            (0.99, 55.0),
+            (0.01, 55.0),
             (0, 4),
             textcoords="offset points",
-            ha="right",
+            ha="left",
             fontsize=11,
             color=palette.INK,
         )
@@ -204,9 +238,7 @@ def obstacles_figure(
             axes.plot(*points.T, color=colour, ls=style, linewidth=2.6, label=label, zorder=3)
             free = control[:, 1:3].reshape(-1, 2)
             axes.plot(*free.T, "o", color=colour, markersize=6, zorder=4)
-        axes.plot(
-            *driven.T, color=palette.INK, lw=1.4, ls=(0, (2.5, 1.6)), label="driven", zorder=5
-        )
+        axes.plot(*driven.T, color=palette.INK, lw=1.4, ls=_DRIVEN, label="driven", zorder=5)
         for solid in world.solids:
             if solid.radius > 0.0:
                 center = (solid.shape.centroid.x, solid.shape.centroid.y)

@@ -24,6 +24,7 @@ def draw_least(
     path: Path,
     certificate: Certificate,
     crowded: list[shapely.Polygon],
+    labels: list[shapely.Polygon],
 ) -> None:
     """Draw the body where the certificate found the least clearance, and how much it is.
 
@@ -33,6 +34,7 @@ def draw_least(
         path: The motion.
         certificate: Its certificate; one that met nothing draws nothing.
         crowded: Areas the label better leaves free, [m].
+        labels: Areas of other labels, which its arrow leaves free too, [m].
     """
     if not math.isfinite(certificate.attained):
         return
@@ -49,7 +51,7 @@ def draw_least(
     axes.annotate(
         text,
         (float(at[0]), float(at[1])),
-        xytext=_free_place(axes, at, text, crowded),
+        xytext=_free_place(axes, at, text, crowded, labels),
         textcoords="offset points",
         ha="center",
         va="center",
@@ -63,7 +65,11 @@ def draw_least(
 
 
 def _free_place(
-    axes: Axes, at: Array, text: str, crowded: list[shapely.Polygon]
+    axes: Axes,
+    at: Array,
+    text: str,
+    crowded: list[shapely.Polygon],
+    labels: list[shapely.Polygon],
 ) -> tuple[float, float]:
     """Return where around a point a label covers least, as an offset in points.
 
@@ -72,6 +78,7 @@ def _free_place(
         at: The point in the world, shape (2,), [m].
         text: The label.
         crowded: Areas in the world better not covered, [m].
+        labels: Areas the arrow must not cross either, [m].
     """
     per_metre = np.ptp(axes.transData.transform([[0.0, 0.0], [1.0, 0.0]])[:, 0])
     per_metre *= 72.0 / float(axes.figure.dpi)  # points per metre
@@ -87,6 +94,8 @@ def _free_place(
             view = shapely.box(x_min, y_min, x_max, y_max)
             cost = 20.0 * (box.area - box.intersection(view).area)
             cost += sum(box.intersection(area).area for area in crowded)
+            arrow = shapely.LineString([at, middle]).union(box)
+            cost += sum(0.3 * arrow.intersects(area) for area in labels)
             cost += 0.02 * box.area * distance / 55.0
             if cost < least:
                 best, least = (float(offset[0]), float(offset[1])), cost
@@ -97,7 +106,7 @@ def _text(certificate: Certificate) -> str:
     what = f" {certificate.against}" if certificate.against else ""
     if certificate.attained <= 0.0:
         return f"{-1e3 * certificate.attained:.0f} mm inside{what}"
-    return f"{1e3 * certificate.attained:.0f} mm to{what or ' the nearest solid'}"
+    return f"{1e3 * max(certificate.clearance, 0.0):.0f} mm to{what or ' the nearest solid'}"
 
 
 def _nearest_points(scene: Scene, pose: Array, certificate: Certificate) -> Array | None:

@@ -34,6 +34,7 @@ from .charts import TrackingErrors, draw_clearance, draw_curvature, draw_speeds,
 from .least_clearance import draw_least
 from .picture_files import check_picture_suffix
 from .scene_drawing import (
+    door_label_areas,
     draw_ends,
     draw_motion,
     draw_moving,
@@ -222,7 +223,8 @@ def _draw_least(figure: Figure, axes: Axes, content: _Content, view: ViewBox) ->
     ends = transform(np.array([scene.start, scene.goal.pose]), scene.vehicle.outline)
     crowded = [*map(shapely.Polygon, ends), *swept_area(scene.vehicle, path)]
     crowded += solid_areas(scene.world, view)
-    draw_least(axes, scene, path, certificate, crowded)
+    labels = door_label_areas(scene, view)
+    draw_least(axes, scene, path, certificate, crowded, labels)
 
 
 def _draw_charts(charts: list[Axes], content: _Content) -> None:

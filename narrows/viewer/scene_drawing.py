@@ -15,7 +15,7 @@ from narrows.path import Path
 from narrows.scene import Scene
 from narrows.se2 import Array, transform
 from narrows.vehicle import Vehicle
-from narrows.world import MovingSolid, Solid, World
+from narrows.world import Door, MovingSolid, Solid, World
 
 from . import palette
 from .view_box import ViewBox
@@ -85,30 +85,50 @@ def _area(solid: Solid, view: ViewBox) -> list[shapely.Polygon]:
 
 
 def _draw_doors(axes: Axes, scene: Scene, view: ViewBox) -> None:
-    doors = [
-        door
-        for door in scene.world.doors
-        if view[0] < door.center[0] < view[2] and view[1] < door.center[1] < view[3]
-    ]
+    doors = _doors_in_view(scene, view)
     for door in doors:
-        across = 0.5 * door.width * np.array([-np.sin(door.heading), np.cos(door.heading)])
+        across = 0.5 * door.width * _across(door)
         ends = np.array(door.center) + np.outer([-1.0, 1.0], across)  # (2, 2)
         axes.plot(*ends.T, color=palette.GREEN, linewidth=1.2, linestyle=(0, (2, 2)), zorder=2.5)
         if len(doors) <= _LABELLED_DOORS:
-            text = f"door {door.width:.2f} m"
-            outside = ends[0] - 0.4 * across / np.linalg.norm(across)
+            x, y = _label_place(door)
             axes.annotate(
-                text,
-                outside,
-                textcoords="offset points",
-                xytext=(0, -14),
+                f"door {door.width:.2f} m",
+                (x, y),
                 ha="center",
-                va="top",
+                va="center",
                 fontsize=10,
                 color=palette.INK,
                 bbox=_BOX,
                 zorder=7,
             )
+
+
+def door_label_areas(scene: Scene, view: ViewBox) -> list[shapely.Polygon]:
+    """Return about where the doors' labels are, for others to leave free."""
+    doors = _doors_in_view(scene, view)
+    places = [_label_place(door) for door in doors] if len(doors) <= _LABELLED_DOORS else []
+    return [shapely.box(x - 0.35, y - 0.1, x + 0.35, y + 0.1) for x, y in places]
+
+
+def _doors_in_view(scene: Scene, view: ViewBox) -> list[Door]:
+    return [
+        door
+        for door in scene.world.doors
+        if view[0] < door.center[0] < view[2] and view[1] < door.center[1] < view[3]
+    ]
+
+
+def _across(door: Door) -> Array:
+    """Return the unit vector from a door's right jamb to its left one."""
+    return np.array([-np.sin(door.heading), np.cos(door.heading)])
+
+
+def _label_place(door: Door) -> tuple[float, float]:
+    """Return a place beside the right jamb, on the side one comes from [m]."""
+    ahead = np.array([np.cos(door.heading), np.sin(door.heading)])
+    place = np.array(door.center) - (0.5 * door.width + 0.45) * _across(door) - 0.25 * ahead
+    return float(place[0]), float(place[1])
 
 
 _BOX = {"boxstyle": "round,pad=0.2", "facecolor": "white", "edgecolor": "none", "alpha": 0.85}
