@@ -27,7 +27,8 @@ def wrap(angle: ArrayLike) -> Array:
     """
     angle = np.asarray(angle, dtype=float)
     wrapped = np.pi - np.mod(np.pi - angle, 2.0 * np.pi)
-    return np.asarray(wrapped)
+    # A hair beyond pi, mod rounds up to the whole turn it never reaches.
+    return np.where(wrapped <= -np.pi, np.pi, wrapped)
 
 
 def rotate(angle: ArrayLike, vector: ArrayLike) -> Array:

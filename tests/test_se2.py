@@ -27,6 +27,12 @@ def test_half_turns_wrap_to_plus_pi() -> None:
     np.testing.assert_array_equal(wrap([math.pi, -math.pi, 0.0]), [math.pi, math.pi, 0.0])
 
 
+@pytest.mark.parametrize("angle", [math.pi, -math.pi, 3 * math.pi])
+def test_a_hair_beyond_half_a_turn_stays_in_the_interval(angle: float) -> None:
+    for beyond in (math.nextafter(angle, 99.0), math.nextafter(angle, -99.0)):
+        assert -math.pi < float(wrap(beyond)) <= math.pi
+
+
 @given(one=POSES, two=POSES, three=POSES)
 @settings(deadline=None)
 def test_poses_are_a_group(one: np.ndarray, two: np.ndarray, three: np.ndarray) -> None:

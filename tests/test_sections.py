@@ -156,7 +156,7 @@ def test_enclosures_hold_turns_on_the_spot(twists: list[tuple[float, float, floa
     ends=st.tuples(st.floats(0, 1), st.floats(0, 1)),
     direction=st.sampled_from([1, -1]),
 )
-@settings(deadline=None, max_examples=200)
+@settings(deadline=None, max_examples=100)
 def test_enclosures_hold_curves(
     inner: list[tuple[float, float]], ends: tuple[float, float], direction: int
 ) -> None:
