@@ -75,6 +75,14 @@ def test_headings_are_unwrapped_along_the_path() -> None:
     assert np.abs(np.diff(heading)).max() < 0.01
 
 
+def test_sections_that_count_turns_differently_join_without_a_jump() -> None:
+    first = TwistSection([[0, 0, 3.0], [0, 0, 4.0]])
+    x, y = math.cos(4.0), math.sin(4.0)
+    second = TwistSection([[0, 0, 4.0 - 2 * math.pi], [x, y, 4.0 - 2 * math.pi]])
+    path = Path((first, second))
+    np.testing.assert_allclose(path([0.5, 1.0, 1.5, 2.0])[:, 2], [3.5, 4.0, 4.0, 4.0], atol=1e-12)
+
+
 @given(
     twists=st.lists(
         st.tuples(st.sampled_from([-0.4, 0.05, 0.3]), st.floats(-2.5, 2.5)), min_size=1, max_size=8

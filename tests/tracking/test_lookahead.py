@@ -199,6 +199,20 @@ def test_the_integral_never_asks_for_more_than_its_limit() -> None:
     assert back[-1] < 0.2  # it leaves the limit at once, it does not have to unwind
 
 
+def test_the_integral_rests_while_the_yaw_rate_is_limited() -> None:
+    path = Path.from_poses([[0, 0, 0], [60, 0, 0]])
+    options = LookaheadOptions(
+        gains=LookaheadGains(10.0, 1.0, 0.0),
+        integral_limit=3.0,
+        by_distance=False,
+    )
+    tracker = LookaheadTracker(path, CHAIR, options)
+    for k in range(200):  # 10 x 0.2 m asks for 2 rad/s, the chair may turn by 1.2
+        assert tracker.step(0.02 * k, [0.005 * k, -0.2, 0.0])[1] == pytest.approx(1.2)
+    # back on the path nothing is left of four seconds of error
+    assert tracker.step(4.02, [1.0, 0.0, 0.0])[1] == pytest.approx(0.0, abs=1e-9)
+
+
 def test_a_chair_that_passed_the_end_has_finished() -> None:
     path = Path.from_poses([[0, 0, 0], [1, 0, 0]])
     tracker = LookaheadTracker(path, CHAIR, EXACT)
