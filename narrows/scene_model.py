@@ -6,6 +6,7 @@ one entry cannot say alone (presets, shapes, what fits what) is checked in `scen
 
 from __future__ import annotations
 
+import unicodedata
 from typing import Annotated, Any, Literal
 
 from pydantic import (
@@ -18,9 +19,11 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
+_CONTROLS = {"Cc", "Cs", "Zl", "Zp"}  # control characters, surrogates, line separators
+
 
 def _plain_text(text: str) -> str:
-    if not all(c.isprintable() or c.isspace() for c in text) or len(text.splitlines()) > 1:
+    if any(unicodedata.category(character) in _CONTROLS for character in text):
         raise PydanticCustomError("text", "must be one line of printable text")
     return text
 

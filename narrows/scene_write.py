@@ -91,7 +91,7 @@ def _block(value: dict[str, Any], depth: int) -> list[str]:
     lines = []
     for key, entry in value.items():
         lead = "  " * depth + f"{key}:"
-        if isinstance(entry, dict) and depth == 0 and key in ("world", "vehicle"):
+        if isinstance(entry, dict) and entry and depth == 0 and key in ("world", "vehicle"):
             lines += [f"{lead}\n", *_block(entry, depth + 1)]
         elif isinstance(entry, list) and entry and isinstance(entry[0], dict):
             rows = [f"{'  ' * depth}  - {_flow(row)}\n" for row in entry]
