@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from ..scene import load_scene
 from .outcome import IMPASSABLE, NOT_FOUND, OK, Outcome, lines
 
@@ -28,12 +30,15 @@ def run_passable(scene_file: str) -> Outcome:
     text = lines(
         f"{scene_file}: {verdict.status.value}",
         f"  {verdict.reason}",
-        "" if spare is None else ("to spare" if spare >= 0.0 else "missing", _mm(abs(spare))),
+        "" if spare is None else _room(spare),
         "" if where is None else ("narrowest", f"at ({where[0]:.2f}, {where[1]:.2f})"),
         ("decided in", f"{verdict.time_s:.1f} s"),
     )
     return Outcome(codes[verdict.status], fields, text)
 
 
-def _mm(length: float) -> str:
-    return f"{1e3 * length:.0f} mm"
+def _room(spare: float) -> tuple[str, str]:
+    """Return the spare room or what is missing [m], rounded to the careful side."""
+    if spare >= 0.0:
+        return "to spare", f"{math.floor(1e3 * spare)} mm"
+    return "missing", f"{math.ceil(-1e3 * spare)} mm"

@@ -17,13 +17,14 @@ _CODES = {
 def run_plan(scene_file: str, *, planner: str, output: str | None, picture: str | None) -> Outcome:
     """Plan a scene; write the trajectory if it is certified, and the picture in any case."""
     from ..formats import check_suffix, write_trajectory
-    from ..planners import plan
 
     if output is not None:
         check_suffix(output)
         check_can_be_written(output)
     check_picture(picture)
     scene = load_scene(scene_file)
+    from ..planners import plan  # after reading: a mistake in the scene is told at once
+
     result = plan(scene, planner=planner)
     written, notes = [], []
     if output is not None and result.trajectory is not None:

@@ -213,7 +213,8 @@ def _draw_axle(axes: Axes, path: Path, fault: str) -> None:
             *points.T, color=colour, label=None if label in drawn else label, zorder=4.5, **style
         )
         drawn.add(label)
-    changes = np.flatnonzero(path.directions[1:] * path.directions[:-1] < 0) + 1
+    moving = np.flatnonzero(path.directions)
+    changes = moving[1:][path.directions[moving[1:]] != path.directions[moving[:-1]]]
     for number, index in enumerate(changes, start=1):
         x, y, _ = path(path.section_bounds[index])
         axes.plot(
