@@ -20,7 +20,7 @@ WINDOW = 0.1
 
 
 @dataclass(frozen=True)
-class Verdict:
+class Judgement:
     """What is true of a drive.
 
     Attributes:
@@ -71,8 +71,8 @@ class Verdict:
         }
 
 
-def judge(scene: Scene, record: Record) -> Verdict:
-    """Return the verdict on a drive, from its true poses and the scene.
+def judge(scene: Scene, record: Record) -> Judgement:
+    """Return the judgement of a drive, from its true poses and the scene.
 
     Args:
         scene: What had to be reached and must not be touched, moving solids by the record's time.
@@ -90,7 +90,7 @@ def judge(scene: Scene, record: Record) -> Verdict:
     near = position <= goal.position_tolerance and heading <= goal.heading_tolerance
     acceleration, jerk, wheel = _peaks(record)
     known = record.has_reference
-    return Verdict(
+    return Judgement(
         reached=near and stands and not touched,
         contacts=touched,
         min_clearance=certificate.clearance,

@@ -7,7 +7,9 @@ from pathlib import Path as FilePath
 import numpy as np
 import pytest
 
+from narrows.clearance import certify
 from narrows.errors import ShapeError, TrajectoryError
+from narrows.formats import read_trajectory
 from narrows.path import Path
 from narrows.planners.timing import time_path
 from narrows.scene import Goal, Scene
@@ -18,6 +20,7 @@ from narrows.simulation.plant import PlantOptions
 from narrows.simulation.record import RECORD_COLUMNS, Record, read_record, write_record
 from narrows.simulation.simulator import SimulationOptions, reference_errors, simulate
 from narrows.tracking.lookahead import LookaheadTracker
+from narrows.trajectory import Trajectory
 from narrows.vehicle import Vehicle
 from narrows.world import Solid, World
 
@@ -51,18 +54,18 @@ def driven(path: Path, *solids: Solid, seed: int = 0, **changes: object) -> tupl
 
 @pytest.mark.parametrize("path", [BEND, SHUNT])
 def test_a_nominal_drive_reaches_the_goal_within_millimetres_of_the_path(path: Path) -> None:
-    verdict = judge(*driven(path))
-    assert verdict.reached, verdict.reason
-    assert verdict.contacts == ()
-    assert verdict.max_cross_track_error is not None
-    assert verdict.max_cross_track_error < 3e-3
-    assert verdict.final_position_error < 3e-3
-    assert verdict.length == pytest.approx(path.length, abs=5e-3)
-    assert verdict.peak_acceleration <= 1.1 * CHAIR.limits.acceleration
-    assert verdict.peak_jerk <= 1.5 * CHAIR.limits.jerk
+    judgement = judge(*driven(path))
+    assert judgement.reached, judgement.reason
+    assert judgement.contacts == ()
+    assert judgement.max_cross_track_error is not None
+    assert judgement.max_cross_track_error < 3e-3
+    assert judgement.final_position_error < 3e-3
+    assert judgement.length == pytest.approx(path.length, abs=5e-3)
+    assert judgement.peak_acceleration <= 1.1 * CHAIR.limits.acceleration
+    assert judgement.peak_jerk <= 1.5 * CHAIR.limits.jerk
 
 
-def test_the_verdict_has_the_contracts_figures_in_their_order() -> None:
+def test_a_judgement_has_the_contracts_figures_in_their_order() -> None:
     figures = judge(*driven(BEND)).figures()
     assert list(figures) == [
         "reached",
@@ -80,36 +83,36 @@ def test_the_verdict_has_the_contracts_figures_in_their_order() -> None:
 
 def test_the_clearance_is_the_certificates() -> None:
     wall = Solid.polygon([[-1, -0.5], [3, -0.5], [3, -0.4], [-1, -0.4]], name="wall")
-    verdict = judge(*driven(BEND, wall))
+    judgement = judge(*driven(BEND, wall))
     # before the bend 0.1 m; in it the rear right corner swings out: R = hypot(1.3, 0.3)
     swing = math.hypot(1.3, 0.3) - 1.0 - 0.3
-    assert verdict.reached
-    assert verdict.min_clearance == pytest.approx(0.1 - swing, abs=2e-3)
+    assert judgement.reached
+    assert judgement.min_clearance == pytest.approx(0.1 - swing, abs=2e-3)
 
 
 def test_nothing_is_reached_through_a_wall() -> None:
     sheet = Solid.polygon([[2, 1.999], [3, 1.999], [3, 2.001], [2, 2.001]], name="sheet")
-    verdict = judge(*driven(BEND, sheet))
-    assert not verdict.reached
-    assert len(verdict.contacts) == 1
-    assert verdict.final_position_error < 3e-3  # it is there, and still has not reached it
-    assert verdict.figures()["collisions"] == 1
-    assert "sheet" in verdict.reason
+    judgement = judge(*driven(BEND, sheet))
+    assert not judgement.reached
+    assert len(judgement.contacts) == 1
+    assert judgement.final_position_error < 3e-3  # it is there, and still has not reached it
+    assert judgement.figures()["collisions"] == 1
+    assert "sheet" in judgement.reason
 
 
 def test_time_up_on_the_way_is_not_reached() -> None:
-    verdict = judge(*driven(BEND, options=SimulationOptions(time_limit=3.0)))
-    assert not verdict.reached
-    assert "from the goal" in verdict.reason
+    judgement = judge(*driven(BEND, options=SimulationOptions(time_limit=3.0)))
+    assert not judgement.reached
+    assert "from the goal" in judgement.reason
 
 
 def test_rolling_over_the_goal_is_not_reached() -> None:
     place, record = driven(BEND)
     rolling = np.array(record.wheel_speeds)
     rolling[-1] = 0.1
-    verdict = judge(place, replace(record, wheel_speeds=rolling))
-    assert not verdict.reached
-    assert "moving" in verdict.reason
+    judgement = judge(place, replace(record, wheel_speeds=rolling))
+    assert not judgement.reached
+    assert "moving" in judgement.reason
 
 
 @pytest.mark.parametrize("path", [BEND, SHUNT])
@@ -173,10 +176,10 @@ class Spinner:
 def test_a_drive_without_a_reference_has_no_tracking_errors(tmp_path: FilePath) -> None:
     place = Scene(CHAIR, World(), np.zeros(3), Goal(np.array([0.0, 0.0, 0.51])))
     record = simulate(place, Spinner())
-    verdict = judge(place, record)
-    assert verdict.reached, verdict.reason
-    assert verdict.max_cross_track_error is None
-    assert verdict.length == pytest.approx(0.0, abs=1e-12)
+    judgement = judge(place, record)
+    assert judgement.reached, judgement.reason
+    assert judgement.max_cross_track_error is None
+    assert judgement.length == pytest.approx(0.0, abs=1e-12)
     write_record(record, tmp_path / "spin.csv")
     assert not read_record(tmp_path / "spin.csv").has_reference
 
@@ -192,6 +195,16 @@ def test_a_record_survives_its_file(tmp_path: FilePath) -> None:
     one, other = judge(place, record), judge(place, again)
     assert other.reached == one.reached
     assert other.final_position_error == pytest.approx(one.final_position_error, abs=1e-9)
+
+
+def test_a_record_is_a_trajectory_file_that_verifies_alike(tmp_path: FilePath) -> None:
+    wall = Solid.polygon([[-1, -0.5], [3, -0.5], [3, -0.4], [-1, -0.4]], name="wall")
+    place, record = driven(BEND, wall)
+    write_record(record, tmp_path / "drive.csv")
+    motion = read_trajectory(tmp_path / "drive.csv")
+    assert isinstance(motion, Trajectory)
+    certificate = certify(place.world, CHAIR, motion)
+    assert certificate.clearance == pytest.approx(judge(place, record).min_clearance, abs=1e-6)
 
 
 @pytest.mark.parametrize(
