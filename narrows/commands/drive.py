@@ -12,7 +12,7 @@ from ..interfaces import Plan, Tracker
 from ..path import Path
 from ..scene import Scene, load_scene
 from ..simulation.contacts import certify_drive
-from ..simulation.judge import Verdict, judge
+from ..simulation.judge import Judgement, judge
 from ..simulation.record import Record, write_record
 from ..simulation.simulator import simulate
 from ..tracking.lookahead import LookaheadTracker
@@ -141,7 +141,7 @@ def _draw(
     scene: Scene,
     motion: Path | Trajectory,
     record: Record,
-    verdict: Verdict,
+    verdict: Judgement,
     file: str,
 ) -> None:
     from ..viewer.charts import TrackingErrors
@@ -165,7 +165,7 @@ def _draw(
     save_picture(figure, file)
 
 
-def _describe(head: str, verdict: Verdict, written: str) -> str:
+def _describe(head: str, verdict: Judgement, written: str) -> str:
     cross = verdict.max_cross_track_error
     return lines(
         head,
