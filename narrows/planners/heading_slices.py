@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ..se2 import Array
 from .swept_body import TurningBody
 
-CIRCLE_TOLERANCE = 2e-4  # a circle's polygon strays from it by at most this [m]
+CIRCLE_TOLERANCE = 1e-4  # a circle's polygon strays from it by at most this [m]
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,7 +26,7 @@ from .passage_windows import PassageDecider
 from .passage_witness import witness_poses
 from .spare import Spare, find_spare
 
-_FINEST = 1e-4  # heading intervals narrower than this are not halved [rad]
+_FINEST = 2e-4  # m that the body's furthest point moves over the narrowest heading interval
 
 
 class PassageStatus(Enum):
@@ -109,7 +109,7 @@ def passable(scene: Scene, *, time_budget: float = 10.0, spare: bool = True) -> 
     """
     begin = time.process_time()
     problem = PassageProblem.from_scene(scene)
-    decider = PassageDecider(problem, _FINEST, begin + time_budget)
+    decider = PassageDecider(problem, _FINEST / problem.reach(0.0), begin + time_budget)
     decision = decider.decide(0.0)
     status = _STATUS[decision.answer]
     room = find_spare(decider, decision) if spare else None

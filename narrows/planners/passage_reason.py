@@ -10,7 +10,9 @@ import shapely
 from ..scene import Scene
 from ..se2 import Array
 from .passage_refinement import Answer, Decision
-from .spare import BRACKET, LARGEST, Limit, Spare
+from .spare import LARGEST, Limit, Spare
+
+_MILLIMETRE = 1e-3
 
 
 def reason_for(
@@ -54,7 +56,7 @@ def _passes(scene: Scene, spare: Spare | None) -> str:
         text = f"the body passes with {room}, the least of it at the goal"
     else:
         text = f"the body passes with {room} at {place_name(scene, spare.narrowest)}"
-    if spare.refuted - spare.proven > 2.1 * BRACKET:
+    if spare.refuted - spare.proven > _MILLIMETRE:
         text += f" ({_bracket(spare)})"
     if spare.proven < 2.0 * scene.margin:
         text += f", less than the margin of {1e3 * scene.margin:.0f} mm on each side"
@@ -76,7 +78,7 @@ def _provisos(scene: Scene) -> list[str]:
 
 def _blocked(scene: Scene, decision: Decision, spare: Spare | None, narrowest: Array | None) -> str:
     network = decision.network
-    missing = None if spare is None else math.ceil(-1e3 * spare.proven - 1e-6)
+    missing = None if spare is None else round(-1e3 * spare.proven)
     if not network.start_is_possible:
         where = "the body does not fit at the start"
     elif not network.goal_is_possible:

@@ -9,7 +9,8 @@ that still passes is found between one that is proven to pass and one that is pr
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, field
 from enum import Enum
 
 from ..se2 import Array
@@ -17,9 +18,10 @@ from .narrowest import narrowest_place
 from .passage_refinement import Answer, Decision
 from .passage_windows import PassageDecider
 
-BRACKET = 5e-4  # growth [m]; the spare room is twice that
+BRACKET = 2e-4  # growth [m]; the spare room is twice that
 LARGEST = 1.0  # growth beyond this is not looked for [m]
-_STEP_ASIDE = 1.2e-4  # where a growth touches exactly, its neighbours are tried [m]
+_STEP_ASIDE = 1.5e-4  # where a growth touches exactly, its neighbours are tried [m]
+_FIRST_STEP = 0.0413  # not a round figure: sizes are, and an exact fit takes longest [m]
 
 
 class Limit(Enum):
@@ -52,32 +54,40 @@ class Spare:
 
 @dataclass(eq=False)
 class _Bracket:
-    """Largest growth known to pass, smallest known not to."""
+    """Largest growth known to pass, smallest known not to, and those undecided between."""
 
     decider: PassageDecider
     joined: Decision | None = None
     apart: Decision | None = None
+    undecided: list[float] = field(default_factory=list)
 
-    def try_growth(self, growth: float) -> Answer:
-        decision = self.decider.decide(growth)
-        self.take(decision)
-        return decision.answer
+    def try_growth(self, growth: float) -> None:
+        self.take(self.decider.decide(growth))
 
     def take(self, decision: Decision) -> None:
         growth = decision.graph.growth
         if decision.answer is Answer.JOINED:
             if self.joined is None or growth > self.joined.graph.growth:
                 self.joined = decision
-        elif decision.answer is Answer.APART and (
-            self.apart is None or growth < self.apart.graph.growth
-        ):
-            self.apart = decision
+        elif decision.answer is Answer.APART:
+            if self.apart is None or growth < self.apart.graph.growth:
+                self.apart = decision
+        elif decision.answer is not Answer.TOO_LONG:
+            self.undecided.append(growth)
 
-    @property
-    def width(self) -> float:
+    def next_growth(self) -> float | None:
+        """Return the growth to try next, or None where the bracket is as tight as it gets."""
         if self.joined is None or self.apart is None:
-            return float("inf")
-        return self.apart.graph.growth - self.joined.graph.growth
+            return None
+        low, high = self.joined.graph.growth, self.apart.graph.growth
+        between = [growth for growth in self.undecided if low < growth < high]
+        if not between:
+            return 0.5 * (low + high) if high - low > BRACKET else None
+        for known, doubt in ((low, min(between)), (high, max(between))):
+            if abs(doubt - known) > BRACKET:
+                aside = math.copysign(_STEP_ASIDE, known - doubt)
+                return doubt + aside if len(between) == 1 else 0.5 * (known + doubt)
+        return None
 
 
 def find_spare(decider: PassageDecider, at_zero: Decision) -> Spare:
@@ -113,13 +123,14 @@ def find_spare(decider: PassageDecider, at_zero: Decision) -> Spare:
 
 def _enclose(bracket: _Bracket) -> None:
     """Find one growth that passes and one that does not, going out in widening steps."""
-    smallest = bracket.decider.problem.smallest_growth
-    step = 0.04
-    while bracket.apart is None and not bracket.decider.out_of_time and step < 2.0 * LARGEST:
+    decider = bracket.decider
+    smallest = decider.problem.smallest_growth
+    step = _FIRST_STEP
+    while bracket.apart is None and not decider.out_of_time and step < 2.0 * LARGEST:
         bracket.try_growth(min(step, LARGEST))
         step *= 2.0
-    step = 0.02
-    while bracket.joined is None and not bracket.decider.out_of_time:
+    step = 0.5 * _FIRST_STEP
+    while bracket.joined is None and not decider.out_of_time:
         bracket.try_growth(max(-step, smallest))
         if -step <= smallest:
             break
@@ -128,14 +139,7 @@ def _enclose(bracket: _Bracket) -> None:
 
 def _narrow(bracket: _Bracket) -> None:
     """Halve the bracket; where a growth fits exactly, close in from both sides."""
-    while BRACKET < bracket.width < float("inf") and not bracket.decider.out_of_time:
-        if bracket.joined is None or bracket.apart is None:
-            return
-        low, high = bracket.joined.graph.growth, bracket.apart.graph.growth
-        middle = 0.5 * (low + high)
-        answer = bracket.try_growth(middle)
-        if answer not in (Answer.JOINED, Answer.APART):
-            aside = (max(low, middle - _STEP_ASIDE), min(high, middle + _STEP_ASIDE))
-            answers = [bracket.try_growth(growth) for growth in aside]
-            if not {Answer.JOINED, Answer.APART} & set(answers):
-                return
+    growth = bracket.next_growth()
+    while growth is not None and not bracket.decider.out_of_time:
+        bracket.try_growth(growth)
+        growth = bracket.next_growth()
