@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from pathlib import Path
 
 import jsonschema
@@ -424,3 +425,20 @@ def test_what_cannot_be_written_is_refused_and_leaves_the_old_file(tmp_path):
     with pytest.raises(InputError):
         write_scene(scene, tmp_path)
     assert [entry.name for entry in tmp_path.iterdir()] == ["scene.yaml"]
+
+
+def shown_in_the_docs() -> list[str]:
+    """Return the YAML examples of docs/scene-format.md."""
+    page = Path(__file__).parent.parent / "docs" / "scene-format.md"
+    return re.findall(r"```yaml\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+
+
+@pytest.mark.parametrize("text", shown_in_the_docs(), ids=lambda text: text.split(":")[0])
+def test_what_the_docs_show_can_be_read(text):
+    if "vehicle:" not in text:
+        text += CHAIR
+    if "world:" not in text and "doorway:" not in text:
+        text += "world: {}\n"
+    if "doorway:" not in text:
+        text += "start: {x: -1, y: 0.4, heading_deg: 0}\ngoal: {x: 2, y: 2, heading_deg: 0}\n"
+    assert read_scene(text).vehicle.width > 0.6
