@@ -13,8 +13,10 @@ from .vehicle import Limits, Vehicle
 RATE = 1000.0
 """Samples a second at which smooth trajectories are judged."""
 
+SLIP = float(np.deg2rad(1.0))
+"""Most angle between motion and heading that still is rolling [rad]: a castor's play."""
+
 _RELATIVE = 1e-3  # an excess a thousandth of the limit is rounding and solver tolerance
-_SLIP = np.deg2rad(1.0)  # more than a castor's play between motion and heading is no rolling
 
 
 @dataclass(frozen=True)
@@ -70,7 +72,7 @@ def _limits(limits: Limits) -> list[tuple[str, str, float]]:
         ("yaw_acceleration", "rad/s^2", limits.yaw_acceleration),
         ("lateral_acceleration", "m/s^2", limits.lateral_acceleration),
         ("curvature", "1/m", limits.curvature),
-        ("slip", "rad", float(_SLIP)),
+        ("slip", "rad", SLIP),
     ]
 
 

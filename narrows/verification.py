@@ -9,18 +9,20 @@ from numpy.typing import ArrayLike
 
 from .clearance import Certificate, certify
 from .errors import TrajectoryError
-from .limit_check import LimitCheck, check_limits
+from .limit_check import SLIP, LimitCheck, check_limits
 from .path import Path
 from .profile import Profile
 from .scene import Scene
 from .se2 import Array, wrap
 from .trajectory import Trajectory
+from .twist_section import TwistSection
 from .vehicle import Vehicle
 
 LONGEST = 2000.0
 """Progress [m or rad] beyond which a motion is not judged in one piece."""
 
 _PATH_LIMITS = ("curvature", "slip")
+_UNITS = range(3, 9)  # decimals [m] that are taken for rounding; fewer are taken as meant
 _START_TOLERANCE = (0.005, float(np.deg2rad(0.5)))  # m, rad: what rounded files leave
 
 
@@ -110,6 +112,11 @@ def verify(scene: Scene, motion: Path | Trajectory | ArrayLike) -> Verification:
         limits = _path_limits(motion, scene.vehicle)
     problems = [] if certificate.is_clear else [certificate.reason]
     notes = _notes(scene, path, certificate)
+    if limits.violations and (rounding := _coarse_rounding(motion, scene.vehicle)):
+        notes.append(
+            f"its rows look rounded to {rounding:g} m, too coarse for rows so close to tell how it "
+            "drives: give more decimals, or fewer rows"
+        )
     if scene.world.moving and not isinstance(motion, Trajectory):
         notes.append("moving things were not judged, as the motion has no times")
     return Verification(
@@ -156,3 +163,28 @@ def _difference(first: Array, second: Array) -> tuple[float, float]:
 
 def _apart(distance: float, angle: float) -> str:
     return f"{1e3 * distance:.0f} mm and {np.degrees(angle):.1f} degrees"
+
+
+def _coarse_rounding(motion: Path | Trajectory, vehicle: Vehicle) -> float:
+    """Return what rows were rounded to [m] if that alone can look like slip or jerk, else 0.
+
+    A position off by half a unit bends a step by up to a unit over its length, and the jerk from
+    four rows by up to four units over the cube of their spacing in time.
+    """
+    path = motion.path if isinstance(motion, Trajectory) else motion
+    rows = [s.poses[:, :2] for s in path.sections if isinstance(s, TwistSection)]
+    if len(rows) < len(path.sections):
+        return 0.0
+    points = np.concatenate(rows)
+    unit = next((u for u in _UNITS if np.allclose(points, points.round(u), rtol=0, atol=1e-11)), 0)
+    if unit == 0:
+        return 0.0
+    rounding = 10.0**-unit
+    steps = np.concatenate([np.hypot(*np.diff(part, axis=0).T) for part in rows])
+    steps = steps[steps > 0.0]
+    bends = len(steps) > 0 and rounding / float(np.median(steps)) > 0.25 * SLIP
+    jerks = False
+    if isinstance(motion, Trajectory) and motion.sampled:
+        spacing = float(np.median(np.diff(motion.profile.breaks)))
+        jerks = 4.0 * rounding / spacing**3 > 0.1 * vehicle.limits.jerk
+    return rounding if bends or jerks else 0.0

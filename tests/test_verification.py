@@ -124,3 +124,22 @@ def test_turning_the_world_changes_nothing():
     end = rotation @ [2.0, 0.0]
     found = verify(scene(world), [[0, 0, turned], [*end, turned]])
     assert found.clearance == pytest.approx(0.2, abs=1e-3)
+
+
+@pytest.mark.parametrize("timed", [True, False])
+def test_rows_rounded_too_coarsely_to_judge_are_named_as_the_likely_reason(timed):
+    bend = Path.from_poses([[np.sin(a), 1 - np.cos(a), a] for a in np.linspace(0, 1.2, 50)])
+    smooth = time_path(bend, CHAIR)
+    times, rows = smooth.times, smooth.poses
+    free = scene(World())
+    for decimals, noted in ((3, True), (10, False)):
+        motion = rows.round(decimals)
+        if timed:
+            motion = Trajectory.from_samples(times, motion)
+        found = verify(free, motion)
+        assert found.is_certified is not noted
+        assert ("rounded to 0.001 m" in found.reason) is noted
+
+
+def test_rows_far_apart_are_not_blamed_on_rounding():
+    assert "rounded" not in verify(scene(), [[0, 0, 0], [1, 0.1, 0]]).reason
