@@ -132,13 +132,22 @@ def free_cells(
     sums = [_sums_of_layer([b[i] for b in bodies], pieces[i]) for i in range(len(pieces))]
     together = np.concatenate(sums, axis=1) if sums else np.empty((len(bodies), 0), dtype=object)
     room = _rooms(bodies, box, reach_box)
-    if together.shape[1]:
-        free = shapely.difference(room, shapely.union_all(together, axis=1))
-    else:
-        free = room
+    free = _without(room, together) if together.shape[1] else room
     parts, owner = shapely.get_parts(free, return_index=True)
     keep = shapely.area(parts) > 0.0
     return parts[keep], owner[keep].astype(np.int64)
+
+
+def _without(room: NDArray[np.object_], blocked: NDArray[np.object_]) -> NDArray[np.object_]:
+    """Return each room (I,) less all its blocked areas (I, P)."""
+    try:
+        free = shapely.difference(room, shapely.union_all(blocked, axis=1))
+    except shapely.GEOSException:
+        # Snapping to a grid always succeeds, at four times the cost; 1e-8 m is far below the
+        # allowance for rounding (`heading_graph.EPSILON`).
+        union = shapely.union_all(blocked, axis=1, grid_size=1e-8)
+        free = shapely.difference(room, union, grid_size=1e-8)
+    return np.asarray(free, dtype=object)
 
 
 def _sums_of_layer(bodies: Sequence[Array | None], pieces: Array) -> NDArray[np.object_]:

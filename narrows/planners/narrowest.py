@@ -5,17 +5,32 @@ from __future__ import annotations
 import math
 from itertools import product
 
+import numpy as np
 import shapely
 
 from ..se2 import Array
 from .heading_graph import FULL_TURN
-from .passage_refinement import Decision, decide
+from .passage_refinement import Answer, Decision, decide
 from .passage_windows import PassageDecider
 
 Sides = tuple[list[shapely.Polygon], list[shapely.Polygon]]
 
 
-def narrowest_place(decider: PassageDecider, joined: Decision | None, apart: Decision) -> Array:
+def blocked_end(apart: Decision) -> Array | None:
+    """Return where the pivot would be at start or goal if the body does not fit there, (2,), [m].
+
+    Args:
+        apart: A decision that start and goal are apart.
+    """
+    problem = apart.graph.problem
+    if not apart.network.start_is_possible:
+        return problem.start[:2]
+    if not apart.network.goal_is_possible:
+        return problem.goal_pivot(float(problem.goal[2]))
+    return None
+
+
+def narrowest_place(decider: PassageDecider, joined: Decision, apart: Decision) -> Array:
     """Return where the pivot is in the narrowest place, shape (2,), in the problem's frame [m].
 
     A way of the largest body that passes is laid over the free places of the smallest that does
@@ -24,28 +39,23 @@ def narrowest_place(decider: PassageDecider, joined: Decision | None, apart: Dec
 
     Args:
         decider: Decides about grown bodies.
-        joined: The largest body known to pass, or None where none does.
+        joined: The largest body known to pass.
         apart: The smallest body known not to.
     """
     problem = decider.problem
-    if not apart.network.start_is_possible:
-        return problem.start[:2]
-    if not apart.network.goal_is_possible:
-        return problem.goal_pivot(float(problem.goal[2]))
-    chain = [] if joined is None else joined.network.way()
-    missing = {step.heading for step in chain} - set(apart.graph.headings)
-    if missing:
-        graph = apart.graph.recut(sorted({*apart.graph.headings, *missing}))
-        apart = decide(graph, decider.finest, decider.deadline)
-    network = apart.network
-    headings = [step.heading for step in chain]
-    sides = [_near(network.sides(step.heading), step.cell) for step in chain]
-    place = _closest(headings, sides, problem.reach(0.0))
-    if place is None:
-        headings = network.graph.headings
-        sides = [network.sides(heading) for heading in headings]
-        place = _closest(headings, sides, problem.reach(0.0))
-    return problem.start[:2] if place is None else place
+    end = blocked_end(apart)
+    if end is not None:
+        return end
+    chain = joined.network.way()
+    cuts = {*problem.headings, *apart.graph.headings, *(step.heading for step in chain)}
+    again = decide(apart.graph.recut(sorted(cuts)), decider.finest, decider.deadline)
+    place = None
+    if again.answer is Answer.APART:
+        network = again.network
+        sides = [_near(network.sides(step.heading), step.cell) for step in chain]
+        place = _closest([step.heading for step in chain], sides, problem.reach(0.0))
+    # Ways of other bodies may leave no trace of both sides: the middle of this way then.
+    return np.array(chain[len(chain) // 2].exit) if place is None else place
 
 
 def _near(sides: Sides, cell: shapely.Polygon) -> Sides:

@@ -18,7 +18,7 @@ import shapely
 
 from ..scene import Scene
 from ..se2 import Array
-from .narrowest import narrowest_place
+from .narrowest import blocked_end
 from .passage_problem import PassageProblem
 from .passage_reason import reason_for
 from .passage_refinement import Answer, Decision
@@ -45,12 +45,16 @@ class SeparationProof:
     heading of the interval; `start_side` holds all parts of what is left that the start can
     possibly reach. None of them meets the goal region, nor a free place outside them.
 
+    Everything beyond the window counts as free, and as reached where the start side touches it.
+
     Attributes:
+        window: x0, y0, x1, y1 of the places looked at, shape (4,), [m].
         pivot: The point of the body frame that the places are those of, shape (2,), [m].
         intervals: First and last heading of each interval, shape (H, 2), [rad].
         start_side: For each interval the places possibly reached, in the world, [m].
     """
 
+    window: Array
     pivot: Array
     intervals: Array
     start_side: tuple[shapely.MultiPolygon, ...]
@@ -66,8 +70,9 @@ class Verdict:
         time_s: Process time taken [s].
         resolution_rad: Width of the narrowest heading interval looked at [rad].
         spare: How much larger the body may be; None if it was not asked for.
-        narrowest: The narrowest place, shape (2,), [m]: the middle of the body there. None if
-            the spare room was not asked for and the body passes, or nothing was decided.
+        narrowest: The narrowest place, shape (2,), [m]: the middle of the body there. None
+            where there is none to name: no limit, no way for any body, spare room not asked for
+            (but for a start or goal the body does not fit at).
         witness: Poses from the start to the goal region, shape (N, 3); between two rows the body
             translates or turns about `pivot`. None unless passable.
         pivot: The point of the body frame it turns about, shape (2,), [m].
@@ -113,12 +118,10 @@ def passable(scene: Scene, *, time_budget: float = 10.0, spare: bool = True) -> 
     decision = decider.decide(0.0)
     status = _STATUS[decision.answer]
     room = find_spare(decider, decision) if spare else None
-    if room is not None:
-        narrowest: Array | None = room.narrowest
-    elif status is PassageStatus.IMPASSABLE:
-        narrowest = narrowest_place(decider, None, decision) + problem.origin
-    else:
-        narrowest = None
+    narrowest = None if room is None else room.narrowest
+    if narrowest is None and status is PassageStatus.IMPASSABLE:
+        end = blocked_end(decision)
+        narrowest = None if end is None else end + problem.origin
     witness = None
     if status is PassageStatus.PASSABLE:
         witness = witness_poses(problem, decision.network.way())
@@ -145,6 +148,7 @@ def _proof(decision: Decision) -> SeparationProof:
     sides = [shapely.MultiPolygon(network.start_side(heading)) for heading in graph.headings]
     moved = [shapely.transform(side, lambda xy: xy + problem.origin) for side in sides]
     return SeparationProof(
+        window=graph.window + np.tile(problem.origin, 2),
         pivot=problem.pivot,
         intervals=np.stack([begin, begin + width], axis=-1),
         start_side=tuple(moved),

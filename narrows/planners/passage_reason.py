@@ -54,8 +54,10 @@ def _passes(scene: Scene, spare: Spare | None) -> str:
         text = f"the body passes with {room}, the least of it at the start"
     elif spare.limit is Limit.GOAL:
         text = f"the body passes with {room}, the least of it at the goal"
-    else:
+    elif spare.limit is Limit.BETWEEN and spare.narrowest is not None:
         text = f"the body passes with {room} at {place_name(scene, spare.narrowest)}"
+    else:
+        raise ValueError(f"a body that passes cannot be limited by: {spare.limit.value}")
     if spare.refuted - spare.proven > _MILLIMETRE:
         text += f" ({_bracket(spare)})"
     if spare.proven < 2.0 * scene.margin:
@@ -78,23 +80,23 @@ def _provisos(scene: Scene) -> list[str]:
 
 def _blocked(scene: Scene, decision: Decision, spare: Spare | None, narrowest: Array | None) -> str:
     network = decision.network
-    missing = None if spare is None else round(-1e3 * spare.proven)
     if not network.start_is_possible:
-        where = "the body does not fit at the start"
+        where, fault = "the body does not fit at the start", ", it is {} too large"
     elif not network.goal_is_possible:
-        where = "the body does not fit at the goal"
-    elif narrowest is None or (spare is not None and spare.limit is Limit.NO_WAY):
-        where = "nothing gets through"
+        where, fault = "the body does not fit at the goal", ", it is {} too large"
+    elif narrowest is None:
+        where, fault = "nothing gets through", ", the body is {} too large"
     else:
-        where = f"{place_name(scene, narrowest)} is too narrow"
+        where, fault = place_name(scene, narrowest), " is {} too narrow"
     if spare is None:
-        return f"no motion gets this body from start to goal: {where}"
-    if spare.limit is Limit.NO_WAY:
-        return f"no motion gets this body from start to goal: {where}, however small the body"
-    where = where.replace("is too narrow", f"is {missing} mm too narrow")
-    if "does not fit" in where:
-        where += f", it is {missing} mm too large"
-    return f"no motion gets this body from start to goal: {where}"
+        amount = ""
+    elif spare.limit is Limit.NO_WAY:
+        amount = ", however small the body"
+    elif spare.limit is Limit.UNKNOWN:
+        amount = fault.format(f"at least {-1e3 * spare.refuted:.0f} mm")
+    else:
+        amount = fault.format(f"{-1e3 * spare.proven:.0f} mm")
+    return f"no motion gets this body from start to goal: {where}{amount}"
 
 
 def place_name(scene: Scene, place: Array) -> str:

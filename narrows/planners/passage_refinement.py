@@ -71,6 +71,20 @@ def decide(graph: HeadingGraph, finest: float, deadline: float) -> Decision:
         network.build(possible=True)
 
 
+def glance(graph: HeadingGraph) -> Decision | None:
+    """Return what a graph says about start and goal as it is cut, or None where it leaves it open.
+
+    Args:
+        graph: The cells, perhaps over the full turn at once: then the body's inscribed disc
+            decides.
+    """
+    network = PassageNetwork(graph, 0.0)
+    graph.update(possible=True)
+    network.build(possible=True)
+    answer = _look(network)[0]
+    return None if answer is None else Decision(answer, network)
+
+
 def _look(network: PassageNetwork) -> tuple[Answer | None, list[int]]:
     """Return the answer, or None and the intervals to halve."""
     cost, to_goal = network.costs(), network.costs_to_goal()

@@ -15,7 +15,7 @@ import numpy as np
 from ..se2 import Array
 from .heading_graph import HeadingGraph
 from .passage_problem import PassageProblem
-from .passage_refinement import Answer, Decision, decide
+from .passage_refinement import Answer, Decision, decide, glance
 
 _FEW = 60  # obstacle pieces that are all taken at once
 _MOST_HEADINGS = 400  # cuts handed on from one decision to the next
@@ -47,26 +47,35 @@ class PassageDecider:
         """Whether the deadline has passed."""
         return time.process_time() > self.deadline
 
-    def decide(self, growth: float, *, headings: list[float] | None = None) -> Decision:
+    def decide(self, growth: float) -> Decision:
         """Return what is known of start and goal for a body grown by `growth` [m].
 
         Args:
             growth: How far every edge of the body is moved outward [m].
-            headings: Cuts to begin with; default: those the last decision needed.
         """
         while True:
             window, whole = self._window(growth)
-            cuts = list(self._headings if headings is None else headings)
-            graph = HeadingGraph(self.problem, growth, window, not whole, cuts)
-            decision = decide(graph, self.finest, self.deadline)
-            self.decisions += 1
-            if decision.answer in (Answer.JOINED, Answer.APART, Answer.TOO_LONG) or whole:
+            decision = self._by_disc(growth, window, whole)
+            if decision is None:
+                cuts = list(self._headings)
+                graph = HeadingGraph(self.problem, growth, window, not whole, cuts)
+                decision = decide(graph, self.finest, self.deadline)
                 if len(graph.headings) <= _MOST_HEADINGS:
                     self._headings = list(graph.headings)
+            self.decisions += 1
+            if decision.answer in (Answer.JOINED, Answer.APART, Answer.TOO_LONG) or whole:
                 return decision
             if self.out_of_time:
                 return Decision(Answer.TOO_LONG, decision.network)
             self._level += 1
+
+    def _by_disc(self, growth: float, window: Array, whole: bool) -> Decision | None:
+        """Return what the disc inside the body says: apart, or joined outside; else None."""
+        start = float(self.problem.start[2])
+        graph = HeadingGraph(self.problem, growth, window, not whole, [start])
+        decision = glance(graph)
+        decided = decision is not None and decision.answer in (Answer.APART, Answer.OUTSIDE)
+        return decision if decided else None
 
     def _window(self, growth: float) -> tuple[Array, bool]:
         problem = self.problem

@@ -32,6 +32,7 @@ class Limit(Enum):
     GOAL = "at the goal"
     NOTHING = "nothing within the largest growth looked for"
     NO_WAY = "not even a body shrunk to nothing passes"
+    UNKNOWN = "the search ended before a body that passes was found"
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,17 +40,19 @@ class Spare:
     """How much larger the body may be.
 
     Attributes:
-        proven: Twice the largest growth proven to pass; negative: that much is missing [m].
+        proven: Twice the largest growth proven to pass; negative: that much is missing [m]. If
+            no body was found to pass: what leaves but a millimetre of the body.
         refuted: Twice the smallest growth proven not to pass [m]; `proven` where none was found.
         limit: What ends the growth.
         narrowest: The narrowest place in the world, shape (2,), [m]; the middle of the body
-            there, or of the body at start or goal where those end the growth.
+            there, or of the body at start or goal where those end the growth. None where
+            nothing ends it, and where no body passes.
     """
 
     proven: float
     refuted: float
     limit: Limit
-    narrowest: Array
+    narrowest: Array | None
 
 
 @dataclass(eq=False)
@@ -106,19 +109,20 @@ def find_spare(decider: PassageDecider, at_zero: Decision) -> Spare:
     smallest = decider.problem.smallest_growth
     proven = 2.0 * (smallest if joined is None else joined.graph.growth)
     refuted = proven if apart is None else 2.0 * apart.graph.growth
+    place: Array | None = None
     if apart is None:
-        limit, place = Limit.NOTHING, decider.problem.start[:2]
+        limit = Limit.NOTHING
     elif joined is None:
-        limit, place = Limit.NO_WAY, narrowest_place(decider, None, apart)
+        limit = Limit.NO_WAY if apart.graph.growth <= smallest else Limit.UNKNOWN
     else:
-        place = narrowest_place(decider, joined, apart)
+        place = narrowest_place(decider, joined, apart) + decider.problem.origin
         if not apart.network.start_is_possible:
             limit = Limit.START
         elif not apart.network.goal_is_possible:
             limit = Limit.GOAL
         else:
             limit = Limit.BETWEEN
-    return Spare(proven, refuted, limit, place + decider.problem.origin)
+    return Spare(proven, refuted, limit, place)
 
 
 def _enclose(bracket: _Bracket) -> None:

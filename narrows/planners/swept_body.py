@@ -16,6 +16,8 @@ import numpy as np
 from ..geometry import convex_polygon, edge_normals
 from ..se2 import Array
 
+_WIDE = 0.25 * math.pi  # half angles beyond this are treated as a full turn
+_SIDES = 32  # of the polygons that stand for discs
 _FAR = 1e3  # half side of the square that half planes are cut from [m]
 
 
@@ -105,14 +107,16 @@ class TurningBody:
         An edge at distance h turned through the interval envelops an arc of radius h. Its two
         end positions and, for h > 0, the chord between their contact points cut off everything
         the arc does: the polygon lies inside the exact intersection, and misses no more than
-        h (1 - cos half_angle) of it.
+        h (1 - cos half_angle) of it. Over half a turn and more it is a disc's polygon.
 
         Args:
-            half_angle: Half the width of the heading interval, 0..pi/2 [rad].
+            half_angle: Half the width of the heading interval, from 0 [rad].
         """
         if half_angle not in self._cores:
             if half_angle == 0.0:
                 normals, offsets = self.normals, self.offsets
+            elif half_angle > _WIDE:
+                normals, offsets = _disc(float(self.offsets.min()) * math.cos(math.pi / _SIDES))
             else:
                 turned = [_turned(self.normals, a) for a in (-half_angle, 0.0, half_angle)]
                 chord = self.offsets * math.cos(half_angle)
@@ -124,20 +128,29 @@ class TurningBody:
     def sweep(self, half_angle: float) -> Array | None:
         """Return a convex polygon around the body at every heading within +-half_angle.
 
-        Each corner's arc is held by its two ends and the crossing of the tangents there.
+        Each corner's arc is held by its two ends and the crossing of the tangents there. Over
+        half a turn and more it is a disc's polygon.
 
         Args:
-            half_angle: Half the width of the heading interval, 0..pi/4 [rad].
+            half_angle: Half the width of the heading interval, from 0 [rad].
         """
         if half_angle not in self._sweeps:
             corners = self.corners
             if corners is None or half_angle == 0.0:
                 swept = corners
+            elif half_angle > _WIDE:
+                swept = cut_by_half_planes(*_disc(float(np.hypot(*corners.T).max())))
             else:
                 ends = [_turned(corners, a) for a in (-half_angle, half_angle)]
                 swept = convex_hull(np.concatenate([*ends, corners / math.cos(half_angle)]))
             self._sweeps[half_angle] = swept
         return self._sweeps[half_angle]
+
+
+def _disc(radius: float) -> tuple[Array, Array]:
+    """Return the half planes of a regular polygon whose sides are `radius` from its middle."""
+    angle = 2.0 * np.pi * np.arange(_SIDES) / _SIDES
+    return np.stack([np.cos(angle), np.sin(angle)], axis=-1), np.full(_SIDES, radius)
 
 
 def _turned(vectors: Array, angle: float) -> Array:
