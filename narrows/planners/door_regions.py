@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import shapely
 
+from ..errors import ShapeError
 from ..geometry import edge_normals
 from ..scene import Scene
 from ..se2 import Array, invert, transform
@@ -138,7 +139,7 @@ def own_reach(vehicle: Vehicle, keep_off: str) -> float:
         return float(np.abs(vehicle.outline[:, 1]).max())
     if keep_off == "circumscribed":
         return vehicle.radius
-    raise ValueError(f"keep_off must be 'half_width' or 'circumscribed', got {keep_off!r}")
+    raise ShapeError(f"keep_off must be 'half_width' or 'circumscribed', got {keep_off!r}")
 
 
 def _as_disk(solid: Solid, to_door: Array) -> tuple[Array, float, bool]:

@@ -263,12 +263,15 @@ def _why_not(scene: Scene, curve: DoorwayCurve) -> str:
     """Return what the best curve breaks, in millimetres and 1/m, and what would help."""
     tried = "of all pairs of cubic segments tried, the best"
     if not curve.is_drivable:
-        bend = _sharpest(curve.control)
-        limit = scene.vehicle.limits.curvature
+        bend, limit = _sharpest(curve.control), scene.vehicle.limits.curvature
+        if bend > limit:
+            sharp = f"{bend:.2f} 1/m" if bend < 10.0 else "more than 10 1/m"
+            problem = f"would have to bend with {sharp}, allowed are {limit:.2f} 1/m"
+        else:
+            problem = f"has a jump of {curve.excess:.2f} 1/m in its curvature at the join"
         return (
-            f"{tried} would have to bend with {bend:.2f} 1/m, allowed are {limit:.2f} 1/m "
-            f"(its body: {curve.certificate.reason}); more room before or behind the door, "
-            "or a planner that shunts, would help"
+            f"{tried} {problem} (its body: {curve.certificate.reason}); more room before or behind "
+            "the door, or a planner that shunts, would help"
         )
     return (
         f"{tried} is not clear: {curve.certificate.reason}; a wider door or more room, or a "

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from .. import bezier
 from ..clearance import Certificate, certify
+from ..errors import PlanningFailed, StudyError
 from ..path import Path
 from ..planners.bezier_segment import Segment
 from ..planners.door_regions import describe_passage
@@ -58,7 +59,7 @@ def paper_chair(*, reference: str = "axle") -> Vehicle:
         return chair
     if reference == "middle":
         return Vehicle.rectangle(chair.length, chair.width, 0.5 * chair.length)
-    raise ValueError(f"reference must be 'axle' or 'middle', got {reference!r}")
+    raise StudyError(f"reference must be 'axle' or 'middle', got {reference!r}")
 
 
 def paper_world(obstacles: tuple[tuple[float, float, float], ...] = ()) -> World:
@@ -209,7 +210,7 @@ def _results(
 ) -> tuple[dict[str, Scalar], Drive]:
     """Return the columns of a planned and driven segment, and the drive."""
     if segment.control is None:
-        raise ValueError(segment.reason)
+        raise PlanningFailed(segment.reason)
     control = segment.control
     drive = drive_curve(scene, control, start=start)
     by_axle, by_middle = certificates(scene, control)
@@ -267,11 +268,11 @@ def run_obstacles(*, with_obstacles: bool) -> ObstacleRun:
     passage = describe_passage(scene, known.doors[0], keep_off="half_width")
     first = planner.first_segment(scene, passage)
     if first.control is None:
-        raise ValueError(first.reason)
+        raise PlanningFailed(first.reason)
     there = drive_curve(scene, first.control)
     second = planner.second_segment(scene, passage, there.arrived)
     if second.control is None:
-        raise ValueError(second.reason)
+        raise PlanningFailed(second.reason)
     onward = drive_curve(scene, second.control)
     judged = scene_of(start, goal, paper_world(OBSTACLES))
     certificate = min(

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from narrows import bezier
+from narrows.errors import StudyError
 from narrows.studies import door_bezier
 from narrows.studies.door_bezier_cases import (
     HEADINGS_DEG,
@@ -60,7 +61,7 @@ def test_the_chair_is_as_the_study_says() -> None:
     for reference, rear in (("axle", 0.25), ("middle", 0.55)):
         chair = paper_chair(reference=reference)
         assert (chair.length, chair.width, chair.rear_overhang) == pytest.approx((1.1, 0.75, rear))
-    with pytest.raises(ValueError, match="'axle' or 'middle', got 'nose'"):
+    with pytest.raises(StudyError, match="'axle' or 'middle', got 'nose'"):
         paper_chair(reference="nose")
 
 
