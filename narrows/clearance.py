@@ -37,6 +37,7 @@ TOLERANCE = 1e-3
 _FINEST = 1e-5  # m: contact and clearance below this are not told apart
 _BOUNDS_SLACK = 1e-4  # m: the bounds are a box drawn by a person, not a wall
 _PARTS = 4  # parts an undecided interval is cut into
+_BLOCK = 2_000_000  # pairs of interval and piece looked at together: 64 MB
 _ROUNDS = 14  # 0.05 m / 4^14 is below rounding
 
 
@@ -194,10 +195,18 @@ class _Search:
         """Return the pairs of interval and piece that their boxes do not rule out."""
         reach = np.linalg.norm(enclosure.hull - enclosure.middle[:, None, :2], axis=2).max(axis=1)
         reach += float(np.linalg.norm(body, axis=1).max())
-        bound = _box_distance(enclosure.middle[:, :2], pieces) - reach[:, None]
-        every = np.arange(len(bound))
-        self._examine(body, pieces, intervals, enclosure, every, bound.argmin(axis=1))
-        row, piece = np.nonzero(bound < self.least)
+        every = np.arange(len(reach))
+        blocks = np.array_split(every, 1 + len(every) * len(pieces) // _BLOCK)
+
+        def bound(rows: NDArray[np.int64]) -> Array:
+            box = _box_distance(enclosure.middle[rows, :2], pieces)
+            return np.asarray(box - reach[rows, None])
+
+        nearest = np.concatenate([bound(rows).argmin(axis=1) for rows in blocks])
+        self._examine(body, pieces, intervals, enclosure, every, nearest)
+        near = [np.nonzero(bound(rows) < self.least) for rows in blocks]
+        row = np.concatenate([rows[k] for rows, (k, _) in zip(blocks, near, strict=True)])
+        piece = np.concatenate([piece for _, piece in near])
         return row, piece
 
     def _examine(
