@@ -125,7 +125,13 @@ def _body_corners(body: BodyEntry | None, known: BodyEntry | None, source: Sourc
             value=sizes["rear_overhang"],
             allowed=f"0 to the length, {sizes['length']:g} m",
         )
-    return Vehicle.rectangle(sizes["length"], sizes["width"], sizes["rear_overhang"]).outline
+    chair = _made(
+        lambda: Vehicle.rectangle(sizes["length"], sizes["width"], sizes["rear_overhang"]),
+        source,
+        ("vehicle", "body"),
+        value=sizes,
+    )
+    return chair.outline
 
 
 def build_world(
@@ -199,11 +205,13 @@ def _solid(entry: SolidEntry, index: int, source: Source) -> Solid:
         x, y, radius = entry.circle
         name = f"circle {index + 1}" if entry.name is None else entry.name
         return Solid.circle(x, y, radius, z=entry.z, name=name)
-    shape = shapely.Polygon(entry.polygon, entry.holes or [])
-    if not shape.is_valid:
+    with np.errstate(all="ignore"):  # coordinates that are almost zero underflow harmlessly
+        shape = shapely.Polygon(entry.polygon, entry.holes or [])
+        reason = "" if shape.is_valid else shapely.is_valid_reason(shape)
+    if reason:
         raise source.error(
             (*path, "polygon"),
-            _crossing(shapely.is_valid_reason(shape)),
+            _crossing(reason),
             value=entry.polygon,
             allowed="corners in order around a polygon that does not cross itself",
         )

@@ -47,7 +47,7 @@ def _by_name(entry: Any) -> Any:
 
 _Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Coordinate = Annotated[_Number, Field(ge=-1e6, le=1e6, description="a coordinate [m]")]
-Length = Annotated[_Number, Field(gt=0.0, le=1e3, description="a length [m]")]
+Length = Annotated[_Number, Field(ge=1e-3, le=1e3, description="a length [m]")]
 Amount = Annotated[_Number, Field(gt=0.0, le=1e3)]
 Degrees = Annotated[_Number, Field(ge=-3600.0, le=3600.0)]
 Height = Annotated[_Number, Field(ge=-100.0, le=1e3, description="height above the floor [m]")]
@@ -241,7 +241,7 @@ class PoseEntry(Entry):
 class GoalEntry(PoseEntry):
     """The pose to reach, and how exactly."""
 
-    position_tolerance: Length = Field(0.05, description="radius about the goal [m]")
+    position_tolerance: Amount = Field(0.05, description="radius about the goal [m]")
     heading_tolerance_deg: Annotated[_Number, Field(gt=0.0, le=180.0)] = Field(
         3.0, description="either side of the heading, in degrees"
     )

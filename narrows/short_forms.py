@@ -133,6 +133,11 @@ class Corridor:
             raise ShapeError(
                 f"a corridor turns by 5 to 150 degrees, got {math.degrees(self.turn):g}"
             )
+        if self.wall_thickness * math.tan(0.5 * abs(self.turn)) >= self.length:
+            raise ShapeError(
+                f"walls {self.wall_thickness:g} m thick do not fit round the inner corner of legs "
+                f"of {self.length:g} m"
+            )
 
     @property
     def _after(self) -> float:

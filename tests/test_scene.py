@@ -216,7 +216,7 @@ MISTAKES = [
         CHAIR + "world: {solids: [{circle: [1, 2, 0]}]}\n",
         2,
         "world.solids[0].circle[2]",
-        "more than 0",
+        "at least 0.001",
     ),
     (
         CHAIR + "world: {solids: [{circle: [1, 2, 3, 4]}]}\n",

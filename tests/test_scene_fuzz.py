@@ -135,11 +135,17 @@ COORDINATES = st.floats(-1e6, 1e6) | st.integers(-3, 3) | st.floats(-1e-9, 1e-9)
 @given(st.lists(st.tuples(COORDINATES, COORDINATES), min_size=3, max_size=9))
 @settings(deadline=None, max_examples=150, derandomize=True)
 @example([(0, 0), (1e6, 0), (1e6, 1e-9), (1e-9, 1e-9), (1e-9, 1e6), (0, 1e6)])
+@example([(2e-188, 2e-261), (0, 1), (2e-261, -1), (0, 2e-188)])
 @example([(0, 0), (1e6, 0), (1e6, 1e-4), (1e-4, 1e-4), (1e-4, 1e6), (0, 1e6)])
 def test_any_polygon_ends_in_a_scene_or_an_error(corners):
     solid = {"polygon": corners}
     check(json.dumps(VALID | {"world": {"solids": [solid]}}))
     check(json.dumps(VALID | {"vehicle": {"body": solid}}))
+
+
+def test_a_chair_as_thin_as_a_hair_is_refused():
+    check(json.dumps(SHORT | {"vehicle": {"preset": "dft", "body": {"width": 7e-17}}}))
+    check(json.dumps(VALID | {"vehicle": {"preset": "dft", "body": {"width": 7e-17}}}))
 
 
 def test_the_two_scenes_that_are_mutated_are_near_to_valid_ones():

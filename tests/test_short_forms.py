@@ -119,6 +119,7 @@ def test_a_file_may_give_the_start_and_leave_the_goal_to_the_short_form():
         (lambda: Corridor(1.3, 0.0), "turns by 5 to 150 degrees, got 0"),
         (lambda: Corridor(1.3, math.radians(-151.0)), "turns by 5 to 150 degrees, got -151"),
         (lambda: Corridor(1.3, math.nan), "turns by"),
+        (lambda: Corridor(1.3, wall_thickness=3.1), r"3\.1 m thick do not fit"),
     ],
 )
 def test_impossible_sizes_are_refused_with_the_reason(make, message):
