@@ -146,6 +146,10 @@ class PresetEntry(VehicleEntry):
 class SolidEntry(Entry):
     """A wall or a piece of furniture: a polygon or a circle extruded between two heights."""
 
+    model_config = ConfigDict(
+        json_schema_extra={"oneOf": [{"required": ["polygon"]}, {"required": ["circle"]}]}
+    )
+
     polygon: Corners | None = Field(
         None, description="corners [[x, y], ...] of a polygon that does not cross itself [m]"
     )
@@ -249,6 +253,12 @@ class GoalEntry(PoseEntry):
 
 class SceneEntry(Entry):
     """A scene: a chair, a world, where to start and where to go."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "anyOf": [{"required": [key]} for key in ("world", "doorway", "corridor", "map")]
+        }
+    )
 
     name: Text = Field("", description="name for people")
     vehicle: Annotated[

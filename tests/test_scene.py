@@ -149,6 +149,8 @@ def test_the_shipped_schema_is_the_models():
     assert validator.is_valid(document)
     assert not validator.is_valid(document | {"vehicel": "x"})
     assert not validator.is_valid(document | {"margin": -1})
+    assert not validator.is_valid(document | {"world": {"solids": [{"name": "nothing"}]}})
+    assert not validator.is_valid({key: document[key] for key in document if key != "world"})
 
 
 # One line each: the text, the line, the field, and words of the message.
