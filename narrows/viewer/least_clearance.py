@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import shapely
@@ -23,7 +24,7 @@ def draw_least(
     scene: Scene,
     path: Path,
     certificate: Certificate,
-    crowded: list[shapely.Polygon],
+    crowded: Sequence[shapely.Geometry],
     labels: list[shapely.Polygon],
 ) -> None:
     """Draw the body where the certificate found the least clearance, and how much it is.
@@ -42,7 +43,7 @@ def draw_least(
     pair = _nearest_points(scene, pose, certificate)
     body = transform(pose, scene.vehicle.outline)
     closed = np.concatenate([body, body[:1]])
-    axes.plot(*closed.T, color=palette.LEAST, linewidth=2.0, zorder=5, label="least clearance")
+    axes.plot(*closed.T, color=palette.LEAST, linewidth=2.0, zorder=5)
     at = pose[:2] if pair is None else pair.mean(axis=0)
     if pair is not None:
         axes.plot(*pair.T, color=palette.LEAST, linewidth=2.0, zorder=6)
@@ -68,7 +69,7 @@ def _free_place(
     axes: Axes,
     at: Array,
     text: str,
-    crowded: list[shapely.Polygon],
+    crowded: Sequence[shapely.Geometry],
     labels: list[shapely.Polygon],
 ) -> tuple[float, float]:
     """Return where around a point a label covers least, as an offset in points.
@@ -94,8 +95,10 @@ def _free_place(
             view = shapely.box(x_min, y_min, x_max, y_max)
             cost = 20.0 * (box.area - box.intersection(view).area)
             cost += sum(box.intersection(area).area for area in crowded)
-            arrow = shapely.LineString([at, middle]).union(box)
+            line = shapely.LineString([at, middle])
+            arrow = line.union(box)
             cost += sum(0.3 * arrow.intersects(area) for area in labels)
+            cost += sum(0.05 * line.intersection(area).length for area in crowded)
             cost += 0.02 * box.area * distance / 55.0
             if cost < least:
                 best, least = (float(offset[0]), float(offset[1])), cost

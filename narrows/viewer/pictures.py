@@ -221,8 +221,12 @@ def _draw_least(figure: Figure, axes: Axes, content: _Content, view: ViewBox) ->
         return
     figure.draw_without_rendering()
     ends = transform(np.array([scene.start, scene.goal.pose]), scene.vehicle.outline)
-    crowded = [*map(shapely.Polygon, ends), *swept_area(scene.vehicle, path)]
+    crowded = [*map(shapely.Polygon, ends), *swept_area(scene.vehicle.outline, path)]
     crowded += solid_areas(scene.world, view)
+    crowded += [
+        shapely.MultiPoint(moving.path[:, 1:]).buffer(moving.radius)
+        for moving in scene.world.moving
+    ]
     labels = door_label_areas(scene, view)
     draw_least(axes, scene, path, certificate, crowded, labels)
 

@@ -51,14 +51,7 @@ def draw_world(axes: Axes, scene: Scene, view: ViewBox) -> None:
         if not areas:
             continue
         patch = PathPatch(outline_of(areas), label=kind)
-        if kind == "solid":
-            patch.set(facecolor=palette.WALL, edgecolor="black", linewidth=0.5, zorder=2)
-        elif kind == "above the chair":
-            patch.set(fill=False, hatch="//", edgecolor=palette.OUTLINE, linewidth=1.2, zorder=2)
-        elif kind == "below the body":
-            patch.set(fill=False, hatch="..", edgecolor=palette.OUTLINE, linewidth=1.2, zorder=2)
-        else:
-            raise ValueError(f"no such kind of solid: {kind}")
+        patch.set(**_LOOKS[kind])
         axes.add_patch(patch)
     _draw_doors(axes, scene, view)
 
@@ -68,10 +61,42 @@ def solid_areas(world: World, view: ViewBox) -> list[shapely.Polygon]:
     return [area for solid in world.solids for area in _area(solid, view)]
 
 
+_LOOKS: dict[str, dict[str, Any]] = {
+    "solid": {"facecolor": palette.WALL, "edgecolor": "black", "linewidth": 0.5, "zorder": 2},
+    "unknown": {"facecolor": "#9A9A9A", "edgecolor": "#6A6A6A", "linewidth": 0.5, "zorder": 1.9},
+    "in the way of a part of the body": {
+        "facecolor": "#BBBBBB",
+        "hatch": "xx",
+        "edgecolor": palette.WALL,
+        "linewidth": 1.2,
+        "alpha": 0.6,
+        "zorder": 2.1,
+    },
+    "above the chair": {
+        "fill": False,
+        "hatch": "//",
+        "edgecolor": palette.OUTLINE,
+        "linewidth": 1.2,
+        "zorder": 2.1,
+    },
+    "below the body": {
+        "fill": False,
+        "hatch": "..",
+        "edgecolor": palette.OUTLINE,
+        "linewidth": 1.2,
+        "zorder": 2.1,
+    },
+}
+
+
 def _kind(solid: Solid, vehicle: Vehicle) -> str:
+    """Return how a solid is drawn: by what of the body it can touch."""
     low, high = solid.z
-    if any(low < layer.z[1] and layer.z[0] < high for layer in vehicle.layers):
-        return "solid"
+    met = [low < layer.z[1] and layer.z[0] < high for layer in vehicle.layers]
+    if all(met):
+        return "unknown" if solid.name.startswith("unknown") else "solid"
+    if any(met):
+        return "in the way of a part of the body"
     return "above the chair" if low >= vehicle.height else "below the body"
 
 
@@ -157,10 +182,10 @@ def draw_moving(axes: Axes, solids: tuple[MovingSolid, ...], time: float | None)
             )
 
 
-def swept_area(vehicle: Vehicle, path: Path) -> list[shapely.Polygon]:
-    """Return the area the body passes over, for the eye: from poses every 2 cm or 2 degrees."""
+def swept_area(outline: Array, path: Path) -> list[shapely.Polygon]:
+    """Return the area a body's outline (K, 2) passes over: from poses every 2 cm or 2 degrees."""
     poses = path(_spread(path, 0.02, np.deg2rad(2.0)))
-    bodies = transform(poses, vehicle.outline)
+    bodies = transform(poses, outline)
     hulls = [shapely.MultiPoint(np.concatenate(pair)).convex_hull for pair in pairwise(bodies)]
     return [part for part in shapely.get_parts(shapely.union_all(hulls))]
 
@@ -172,9 +197,11 @@ def draw_motion(axes: Axes, vehicle: Vehicle, path: Path, *, fault: str) -> None
     """
     colour = palette.REFUSED if fault else palette.SKY
     name = f"swept body, {fault}" if fault else "swept body"
-    area = PathPatch(outline_of(swept_area(vehicle, path)), label=name)
-    area.set(facecolor=colour, alpha=0.22, edgecolor="none", zorder=1)
-    axes.add_patch(area)
+    for index, layer in enumerate(vehicle.layers):
+        area = PathPatch(outline_of(swept_area(layer.polygon, path)))
+        area.set(facecolor=colour, alpha=0.22, edgecolor="none", zorder=1)
+        area.set_label(name if index == 0 else "_")
+        axes.add_patch(area)
     bodies = transform(path(_spread(path, 0.25, np.deg2rad(15.0))), vehicle.outline)
     for body in bodies:
         closed = np.concatenate([body, body[:1]])
@@ -261,7 +288,10 @@ def draw_ends(axes: Axes, scene: Scene) -> None:
         closed = np.concatenate([body, body[:1]])
         style = "-" if name == "start" else (0, (4, 1.5))
         axes.plot(*closed.T, color=colour, linewidth=2.4, linestyle=style, zorder=4)
-        tip = transform(pose, np.array([[0.7 * scene.vehicle.front_overhang + 1e-3, 0.0]]))[0]
+        for layer in scene.vehicle.layers if len(scene.vehicle.layers) > 1 else ():
+            ring = transform(pose, np.concatenate([layer.polygon, layer.polygon[:1]]))
+            axes.plot(*ring.T, color=colour, linewidth=1.0, zorder=4)
+        tip = transform(pose, np.array([[scene.vehicle.front_overhang + 1e-3, 0.0]]))[0]
         axes.annotate(
             "",
             (float(tip[0]), float(tip[1])),
@@ -289,18 +319,18 @@ def draw_scale(axes: Axes, view: ViewBox) -> None:
     length = float(10.0 ** np.floor(np.log10(0.25 * width)))
     length *= max(f for f in (1.0, 2.0, 5.0) if f * length <= 0.25 * width)
     x, y = view[0] + 0.02 * width, view[1] + 0.025 * width
-    plate = Rectangle((x - 0.01 * width, y - 0.012 * width), length + 0.02 * width, 0.05 * width)
-    plate.set(facecolor="white", edgecolor="none", alpha=0.85, zorder=7.5)
-    axes.add_patch(plate)
-    axes.plot([x, x + length], [y, y], color="black", linewidth=4, zorder=8, solid_capstyle="butt")
+    for colour, thick in (("white", 9), ("black", 4)):
+        style: dict[str, Any] = {"linewidth": thick, "zorder": 8, "solid_capstyle": "butt"}
+        axes.plot([x, x + length], [y, y], color=colour, **style)
     middle = (x + 0.5 * length, y)
     axes.annotate(
         f"{length:g} m",
         middle,
-        (0, 5),
+        (0, 9),
         textcoords="offset points",
         ha="center",
         fontsize=11,
+        bbox=_BOX,
         zorder=8,
     )
 

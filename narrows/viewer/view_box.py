@@ -13,6 +13,7 @@ from narrows.world import World
 ViewBox = tuple[float, float, float, float]
 
 _AROUND = 0.8  # m of surroundings at least
+_SHAPE = 0.6  # least ratio of the sides of a cropped view
 _CROPPED = 4.0  # a world more than so many times the motion's surroundings is cropped
 
 
@@ -27,6 +28,8 @@ def view_box(scene: Scene, paths: list[Path]) -> ViewBox:
     low, high = corners.min(axis=0), corners.max(axis=0)
     around = np.maximum(_AROUND, 0.15 * (high - low).max())
     low, high = low - around, high + around
+    short = np.maximum(_SHAPE * (high - low).max() - (high - low), 0.0)
+    low, high = low - 0.5 * short, high + 0.5 * short
     world = world_box(scene.world)
     if world is not None:
         world_low, world_high = np.array(world[:2]), np.array(world[2:])

@@ -154,9 +154,9 @@ def test_nothing_written_leaves_the_picture_or_covers_another_label():
 
 
 def test_the_area_drawn_as_swept_is_the_bodies_way():
-    area = shapely.union_all(swept_area(CHAIR, Path.from_poses([[0, 0, 0], [2, 0, 0]])))
+    area = shapely.union_all(swept_area(CHAIR.outline, Path.from_poses([[0, 0, 0], [2, 0, 0]])))
     assert area.area == pytest.approx(3.0 * 0.66, rel=1e-9)
-    turn = shapely.union_all(swept_area(CHAIR, Path.from_poses([[0, 0, 0], [0, 0, 3.0]])))
+    turn = shapely.union_all(swept_area(CHAIR.outline, Path.from_poses([[0, 0, 0], [0, 0, 3.0]])))
     assert turn.area <= np.pi * CHAIR.radius**2
     assert turn.area >= 0.45 * np.pi * CHAIR.radius**2
 
