@@ -11,6 +11,7 @@ import shapely
 
 from narrows.clearance import clearance_at
 from narrows.planners import passage_windows
+from narrows.planners.heading_slices import ObstaclePieces
 from narrows.planners.passage import PassageStatus, Verdict, passable
 from narrows.planners.spare import Limit
 from narrows.scene import Goal, Scene
@@ -20,6 +21,7 @@ from narrows.world import Door, MovingSolid, Solid, World
 
 MILLIMETRE = 1e-3
 CHAIR = Vehicle.rectangle(1.0, 0.67, 0.25)
+POST = (np.zeros((1, 1, 2)), np.array([0.3]))
 PASSABLE, IMPASSABLE = PassageStatus.PASSABLE, PassageStatus.IMPASSABLE
 
 
@@ -211,6 +213,23 @@ def test_two_posts_spare_their_gap_less_the_width() -> None:
     assert "near post and post" in verdict.reason
 
 
+@pytest.mark.parametrize("slant", [0.0, 0.5, 0.25])
+def test_a_circles_polygon_is_on_the_safe_side_whatever_its_corners_face(slant: float) -> None:
+    # A twentieth of a millimetre too narrow or wide, half what the polygon of a post may stray.
+    # The posts' polygons have a corner at 0 deg, the middle of a side half a step (slant) away.
+    turn = slant * 2.0 * math.pi / (ObstaclePieces.bracket(*POST).inside.shape[1])
+    for opening, wrong in ((0.67 + 5e-5, IMPASSABLE), (0.67 - 5e-5, PASSABLE)):
+        at = opening / 2.0 + 0.3
+        solids = [Solid.circle(*rotate(turn, [side * at, 0.0]), 0.3) for side in (-1, 1)]
+        for side in (-1.0, 1.0):
+            wall = side * np.array([[at, -0.05], [4.5, -0.05], [4.5, 0.05], [at, 0.05]])
+            solids.append(Solid.polygon(rotate(turn, wall)))
+        world = World(tuple(solids), (-3.0, -3.0, 3.0, 3.0))
+        start, goal = (np.append(rotate(turn, [0.0, y]), turn + math.pi / 2) for y in (-2.0, 1.5))
+        verdict = passable(Scene(CHAIR, world, start, Goal(goal)), spare=False)
+        assert verdict.status is not wrong
+
+
 def test_without_bounds_a_wall_is_passed_around_and_with_bounds_it_is_not() -> None:
     wall = Solid.polygon([[-3, 0], [3, 0], [3, 0.1], [-3, 0.1]])
     start, goal = np.array([0.0, -2.0, 0.0]), Goal(np.array([0.0, 2.0, 0.0]))
@@ -278,6 +297,7 @@ def test_the_goals_heading_range_decides_where_the_body_fits_only_askew() -> Non
         assert passable(Scene(CHAIR, world, start, goal), spare=False).status is status
 
 
+@pytest.mark.slow
 def test_mirroring_and_moving_the_world_changes_neither_status_nor_millimetres() -> None:
     scene = corner_scene(0.88, 1.1, 0.65, 0.2)
     before = passable(scene)
@@ -311,7 +331,7 @@ def test_mirroring_and_moving_the_world_changes_neither_status_nor_millimetres()
 def test_a_small_window_gives_the_same_answers_as_the_whole_world(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    scenes = [door_scene(0.9), door_scene(0.6), corner_scene(0.8, 1.0, 0.67)]
+    scenes = [door_scene(0.9), corner_scene(0.8, 1.0, 0.67)]
     whole = [passable(scene) for scene in scenes]
     monkeypatch.setattr(passage_windows, "_FEW", 0)
     for scene, expected in zip(scenes, whole, strict=True):

@@ -146,7 +146,7 @@ def assert_start_side_is_closed(proof, lattice: Lattice, reached: np.ndarray) ->
 
 
 def test_a_grid_search_never_contradicts_the_verdict() -> None:
-    found = [check(seed) for seed in range(6)]
+    found = [check(seed) for seed in range(3)]
     assert set(found) & {PassageStatus.PASSABLE, PassageStatus.IMPASSABLE}
 
 
