@@ -181,7 +181,7 @@ WRONG_JSON = {
     '{"rows":[]}': "columns: the names of the columns are missing",
     '{"columns":["x","y","yaw"]}': "rows: the rows are missing",
     '{"columns":["t","x","y","yaw"],"rows":[[0,0,0,0],[0,1,0,0]]}': "rows[1].t: times must",
-    '{"format":"other/1","columns":[],"rows":[]}': "format: this is another format; found 'other/1'",
+    '{"format":"other/1","columns":[],"rows":[]}': "format: this is another format",
     "[[0,0,0],[" + "9" * 5000 + ",0,0]]": "this JSON is no trajectory",
     "[" * 100_000: "this JSON is no trajectory",
 }
