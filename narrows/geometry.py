@@ -77,6 +77,29 @@ def _signed_area(points: Array) -> float:
     return 0.5 * float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
 
 
+def offset_polygon(polygon: Array, distance: float) -> Array:
+    """Return a convex polygon with every edge moved outward by a distance, corners mitred.
+
+    >>> offset_polygon(np.array([[0.0, 0], [2, 0], [2, 1], [0, 1]]), -0.25)[0]
+    array([0.25, 0.25])
+
+    Args:
+        polygon: Counter-clockwise corners, shape (K, 2), [m].
+        distance: Outward distance [m]; negative: inward.
+
+    Raises:
+        ShapeError: If an edge vanishes on the way inward.
+    """
+    normals = edge_normals(polygon)
+    before = np.roll(normals, 1, axis=0)
+    corner_sine = 1.0 + np.einsum("kd,kd->k", before, normals)
+    moved = np.asarray(polygon + distance * (before + normals) / corner_sine[:, None])
+    edge, new = np.roll(polygon, -1, axis=0) - polygon, np.roll(moved, -1, axis=0) - moved
+    if (np.einsum("kd,kd->k", edge, new) <= 0.0).any():
+        raise ShapeError(f"moved inward by {-distance:.3g} m, an edge of the polygon vanishes")
+    return moved
+
+
 def edge_normals(polygons: Array) -> Array:
     """Return the outward unit normals of counter-clockwise polygons.
 

@@ -14,6 +14,9 @@ from narrows.se2 import Array, wrap
 
 from .timing import time_path
 
+CERTIFICATE_TOLERANCE = 2e-4
+"""How far below the true clearance a plan's certificate may stay [m]."""
+
 _START_TOLERANCE = (1e-3, 2e-3)  # m, rad: a plan starts where the chair stands, solver rounding
 
 
@@ -46,7 +49,7 @@ def finished_plan(
     ends = ends_problem(scene, path)
     if ends:
         return refused(ends)
-    certificate = certify(scene.world, scene.vehicle, path)
+    certificate = certify(scene.world, scene.vehicle, path, tolerance=CERTIFICATE_TOLERANCE)
     if not certificate.is_clear:
         return refused(f"the best path found is not clear: {certificate.reason}")
     try:
@@ -57,11 +60,13 @@ def finished_plan(
     if not check.kept:
         return refused(f"the path found breaks a limit: {'; '.join(check.violations)}")
     if scene.world.moving:
-        certificate = certify(scene.world, scene.vehicle, trajectory)
+        certificate = certify(
+            scene.world, scene.vehicle, trajectory, tolerance=CERTIFICATE_TOLERANCE
+        )
         if not certificate.is_clear:
             return refused(f"clear of what stands still, but {certificate.reason}")
     reason = certificate.reason
-    if certificate.clearance < scene.margin:
+    if certificate.clearance < scene.margin - CERTIFICATE_TOLERANCE:
         reason += f"; the margin of {1e3 * scene.margin:.0f} mm asked for is not kept"
     if note:
         reason += f"; {note}"

@@ -1,0 +1,167 @@
+"""The smooth optimum with the exact body: several starts, the best certified one wins."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+
+from narrows.errors import ShapeError
+from narrows.interfaces import Plan, PlanStatus
+from narrows.path import Path
+from narrows.scene import Scene
+
+from .body_program import Weights
+from .finish import finished_plan
+from .guess import fitted, forward_guesses
+from .refinement import Refined, Refinement, RefinementOptions
+
+_PIECE = 0.45  # m: a cubic piece about half a chair long bends as sharply as a chair can
+_SEGMENTS = (4, 6, 8, 10)  # few sizes, so that few programs are compiled
+_ROWS = {1: 128, 2: 96}  # rows of clearance by number of sections; 64 for more
+
+
+@dataclass(frozen=True)
+class ManoeuvreOptions:
+    """How smooth manoeuvres are sought.
+
+    Attributes:
+        weights: What smoothness costs. `weights.price` trades clearance for smoothness: it is the
+            smoothness, INT kappa^2 ds in 1/m, worth giving up for a metre of clearance missing
+            from the margin. The default, 2000, gives up 2 1/m for a millimetre: about the whole
+            cost of passing a door, so the margin is kept wherever the chair can.
+        compare: How many starts that keep the margin are compared before the smoothest is taken.
+    """
+
+    weights: Weights = field(default_factory=Weights)
+    compare: int = 1
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A refined manoeuvre.
+
+    Attributes:
+        name: Where it started from.
+        refined: Where the optimiser ended.
+    """
+
+    name: str
+    refined: Refined
+
+    @property
+    def is_good(self) -> bool:
+        """Whether margin and curvature limit are kept, as far as the optimiser sees."""
+        return self.refined.slack < 1e-4 and self.refined.excess < 1e-3
+
+
+def segments_for(path: Path) -> int:
+    """Return how many cubic pieces the longest section of a path wants."""
+    longest = max(section.span for section in path.sections if section.direction != 0)
+    wanted = math.ceil(longest / _PIECE)
+    return next((size for size in _SEGMENTS if size >= wanted), _SEGMENTS[-1])
+
+
+def refine(scene: Scene, name: str, guess: Path, options: ManoeuvreOptions) -> Candidate:
+    """Return the smooth manoeuvre reached from a rough path.
+
+    Args:
+        scene: The scene.
+        name: What the guess is called in reasons.
+        guess: A rough path without turns on the spot.
+        options: The options.
+
+    Raises:
+        ShapeError: If the guess turns on the spot.
+    """
+    segments = segments_for(guess)
+    chosen = RefinementOptions(
+        weights=options.weights,
+        segments=segments,
+        rows=_ROWS.get(len(guess.sections), 64),
+    )
+    start = fitted(guess, scene, segments)
+    return Candidate(name, Refinement(scene, start.directions, chosen).run(start))
+
+
+def best_candidates(
+    scene: Scene, guesses: Iterable[tuple[str, Path]], options: ManoeuvreOptions, until: float
+) -> list[Candidate]:
+    """Return refined manoeuvres, the best first, until enough of them keep the margin.
+
+    Args:
+        scene: The scene.
+        guesses: Named rough paths; asked for one by one, so that costly ones may come last.
+        options: The options.
+        until: Value of `time.process_time` after which no further guess is taken [s].
+    """
+    found: list[Candidate] = []
+    good = 0
+    for name, guess in guesses:
+        try:
+            candidate = refine(scene, name, guess, options)
+        except ShapeError:
+            continue  # a guess that folds over cannot be refined; the next one may
+        found.append(candidate)
+        good += candidate.is_good
+        if good >= options.compare or time.process_time() >= until:
+            break
+    return sorted(found, key=lambda candidate: candidate.refined.cost)
+
+
+class ManoeuvrePlanner:
+    """Plans by refining rough manoeuvres: through known doors, straight on, and those searched."""
+
+    def __init__(self, options: ManoeuvreOptions | None = None, *, time_budget: float = 5.0):
+        """Set the options and the CPU time after which no further start is tried [s]."""
+        self.options = ManoeuvreOptions() if options is None else options
+        self.time_budget = time_budget
+
+    def plan(self, scene: Scene) -> Plan:
+        """Return the best certified manoeuvre, or what blocked the best one tried."""
+        begun = time.process_time()
+        candidates = best_candidates(
+            scene, self._guesses(scene), self.options, begun + self.time_budget
+        )
+        return plan_of(scene, candidates, begun)
+
+    def _guesses(self, scene: Scene) -> Iterable[tuple[str, Path]]:
+        yield from forward_guesses(scene)
+
+
+def plan_of(scene: Scene, candidates: list[Candidate], begun: float) -> Plan:
+    """Return the first candidate that finishes as a certified plan, or why none does.
+
+    Args:
+        scene: The scene.
+        candidates: Refined manoeuvres, the best first.
+        begun: Value of `time.process_time` when planning began [s].
+    """
+    refusals = []
+    for candidate in candidates:
+        plan = finished_plan(
+            scene,
+            candidate.refined.path,
+            planner="manoeuvre",
+            statistics={
+                "cost": candidate.refined.cost,
+                "iterations": float(sum(c.refined.iterations for c in candidates)),
+                "starts": float(len(candidates)),
+                "solve_time_s": time.process_time() - begun,
+            },
+        )
+        if plan.status is PlanStatus.CERTIFIED:
+            statistics = {**plan.statistics, "solve_time_s": time.process_time() - begun}
+            return replace(plan, statistics=statistics)
+        refusals.append(f"{candidate.name}: {plan.reason}")
+    tried = "; ".join(refusals[:3]) if refusals else "no rough path could be refined"
+    return Plan(
+        PlanStatus.NOT_FOUND,
+        "manoeuvre",
+        f"{len(candidates)} manoeuvres tried, none certified: {tried}",
+        statistics={
+            "starts": float(len(candidates)),
+            "solve_time_s": time.process_time() - begun,
+        },
+    )
