@@ -33,11 +33,10 @@ def solve_quadratic(
     upper: Array,
     step_lower: Array,
     step_upper: Array,
-) -> tuple[Array, Array] | None:
-    """Return minimiser and multipliers of a strictly convex quadratic program, or None.
+) -> Array | None:
+    """Return the minimiser of a strictly convex quadratic program, or None if there is none.
 
-    The rows are evaluated again: a point that violates one is not returned. Multipliers (m,) are
-    those of L = f + multipliers.(A d): negative at a lower bound, positive at an upper one.
+    The rows are evaluated again: a point that violates one is not returned.
 
     Args:
         hessian: H, positive definite, shape (n, n).
@@ -60,4 +59,4 @@ def solve_quadratic(
     )
     if not (np.isfinite(step).all() and worst <= _TOLERANCE):
         return None
-    return np.clip(step, step_lower, step_upper), np.asarray(result["lam_a"]).ravel()
+    return np.asarray(np.clip(step, step_lower, step_upper))

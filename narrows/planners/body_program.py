@@ -134,8 +134,7 @@ class ManoeuvreProgram:
         problem: The program in symbols; constraints are the goal's offset along and across its
             heading [m] (2), then for each section kappa - excess and -kappa - excess [1/m], then
             for each section its rows of clearance, less what is required [m].
-        model: (unknowns, parameters) -> cost, its gradient, constraints, their Jacobian.
-        hessian: (unknowns, parameters, multipliers) -> Hessian of cost + multipliers.constraints.
+        model: (unknowns, parameters) -> cost, its gradient and Hessian, constraints, Jacobian.
     """
 
     def __init__(self, layout: Layout) -> None:
@@ -145,15 +144,17 @@ class ManoeuvreProgram:
         self.problem = self._state()
         unknowns, parameters = self.problem.unknowns, self.problem.parameters
         cost, rows = self.problem.objective, self.problem.constraints
-        multipliers = ca.SX.sym("multipliers", rows.numel())
-        curved = ca.hessian(cost + ca.dot(multipliers, rows), unknowns)[0]
+        hessian, gradient = ca.hessian(cost, unknowns)
         self.model = ca.Function(
             "model",
             [unknowns, parameters],
-            [cost, ca.gradient(cost, unknowns), rows, ca.densify(ca.jacobian(rows, unknowns))],
-        )
-        self.hessian = ca.Function(
-            "hessian", [unknowns, parameters, multipliers], [ca.densify(curved)]
+            [
+                cost,
+                gradient,
+                ca.densify(hessian),
+                rows,
+                ca.densify(ca.jacobian(rows, unknowns)),
+            ],
         )
 
     def _state(self) -> Problem:

@@ -42,6 +42,15 @@ class Rows:
     fields: Array
     gap: Array
 
+    @classmethod
+    def joined(cls, sets: list[Rows]) -> Rows:
+        """Return the rows of several sets as one."""
+        return cls(
+            np.concatenate([s.parameter for s in sets]),
+            np.concatenate([s.fields for s in sets]),
+            np.concatenate([s.gap for s in sets]),
+        )
+
     def nearest(self, count: int) -> Rows:
         """Return the `count` rows with the least to spare, in the motion's order."""
         spare = self.gap - self.fields[:, 6]
@@ -105,14 +114,7 @@ def rows_along(
         least = min(least, float(lowest.distance.min()))
         for chosen in (lowest, contacts.take(along)):
             sets.append(_solid_rows(chosen, layer.polygon, pieces, margin))
-    return (
-        Rows(
-            np.concatenate([s.parameter for s in sets]),
-            np.concatenate([s.fields for s in sets]),
-            np.concatenate([s.gap for s in sets]),
-        ),
-        least,
-    )
+    return Rows.joined(sets), least
 
 
 def _contacts(
@@ -200,26 +202,39 @@ def _solid_rows(contacts: _Contacts, body: Array, pieces: ConvexPieces, margin: 
     in_world |= _is_edge_normal(solid, -axis)
     along_body = np.einsum("nkd,nd->nk", corners, axis)
     along_solid = np.einsum("nkd,nd->nk", solid, axis)
-    fields, which, gaps = [], [], []
-    for i in range(len(heading)):
-        if in_world[i]:
-            support = float(along_solid[i].min() - radius[i])
-            order = np.argsort(-along_body[i], kind="stable")[:2]
-            spare = support - along_body[i][order]
-            direction, points = axis[i], body[order]
-        else:
-            direction = own_axis[i]
-            support = float((body @ direction).max() + radius[i])
-            unique = np.flatnonzero(np.r_[True, np.any(np.diff(solid[i], axis=0), axis=1)])
-            order = unique[np.argsort(along_solid[i][unique], kind="stable")[:2]]
-            spare = along_solid[i][order] - along_body[i].max() - radius[i]
-            points = solid[i][order]
-        for point, gap in zip(points, spare, strict=True):
-            if gap <= spare[0] + _SECOND:
-                fields.append([*direction, *point, support, float(in_world[i]), margin, 1.0])
-                which.append(float(contacts.parameter[i]))
-                gaps.append(float(gap))
-    return Rows(np.array(which), np.array(fields).reshape(-1, 8), np.array(gaps))
+    repeated = np.zeros(along_solid.shape, dtype=bool)
+    repeated[:, 1:] = ~np.diff(solid, axis=1).any(axis=2)
+    near, far = along_body.max(axis=1), along_solid.min(axis=1) - radius
+    body_support = np.einsum("kd,nd->nk", body, own_axis).max(axis=1) + radius
+    sets = []
+    for chosen, direction, support, points, spare in (
+        (in_world, axis, far, np.broadcast_to(body, corners.shape), far[:, None] - along_body),
+        (
+            ~in_world,
+            own_axis,
+            body_support,
+            solid,
+            np.where(repeated, np.inf, along_solid - (near + radius)[:, None]),
+        ),
+    ):
+        pair = np.flatnonzero(chosen)
+        order = np.argsort(spare[pair], axis=1, kind="stable")[:, :2]
+        gap = np.take_along_axis(spare[pair], order, axis=1)
+        row, which = np.nonzero(gap <= gap[:, :1] + _SECOND)
+        pair, corner = pair[row], order[row, which]
+        kind = np.full(len(pair), 1.0 if chosen is in_world else 0.0)
+        fields = np.column_stack(
+            [
+                direction[pair],
+                points[pair, corner],
+                support[pair],
+                kind,
+                np.full(len(pair), margin),
+                np.ones(len(pair)),
+            ]
+        )
+        sets.append(Rows(contacts.parameter[pair], fields, gap[row, which]))
+    return Rows.joined(sets)
 
 
 def _is_edge_normal(polygons: Array, axis: Array) -> NDArray[np.bool_]:

@@ -117,9 +117,9 @@ class _State:
     x: Array
     cost: float
     gradient: Array
+    hessian: Array
     constraints: Array
     jacobian: Array
-    parameters: Array
     thinner: float
     least: float
 
@@ -295,7 +295,9 @@ class Refinement:
         )
         x = x.copy()
         x[-2:] = 0.0
-        cost, gradient, g, jacobian = (np.asarray(v) for v in self.program.model(x, parameters))
+        cost, gradient, hessian, g, jacobian = (
+            np.asarray(v) for v in self.program.model(x, parameters)
+        )
         g = g.ravel()
         bends, watched = self._split(g, np.concatenate(used))
         slack = max(0.0, float(-watched.min(initial=0.0)))
@@ -306,7 +308,7 @@ class Refinement:
         g[2 : 2 + len(bends)] -= excess
         g[2 + len(bends) :] += slack
         g[2 + len(bends) :][~np.concatenate(used)] = np.inf
-        return _State(x, total, gradient.ravel(), g, jacobian, parameters, thinner, least)
+        return _State(x, total, gradient.ravel(), _convex(hessian), g, jacobian, thinner, least)
 
     def _split(self, g: Array, used: NDArray[np.bool_]) -> tuple[Array, Array]:
         """Return curvature rows and the clearance rows in use."""
@@ -354,19 +356,18 @@ class Refinement:
         # A start beyond the goal's tolerance must be able to step at all.
         low = np.minimum(lower[used] - g, np.where(np.arange(len(g)) < 2, radius, np.inf))
         high = np.maximum(upper[used] - g, np.where(np.arange(len(g)) < 2, -radius, -np.inf))
-        multipliers, found = np.zeros(len(used)), None
-        for _ in range(2):  # the second time with how the active constraints curve
-            hessian = _convex(
-                np.asarray(self.program.hessian(state.x, state.parameters, multipliers))
-            )
-            solved = solve_quadratic(
-                hessian, state.gradient, state.jacobian[used], low, high, step_lower, step_upper
-            )
-            if solved is None:
-                return found
-            step, multipliers[used] = solved
-            found = step, -float(state.gradient @ step + 0.5 * step @ hessian @ step)
-        return found
+        step = solve_quadratic(
+            state.hessian,
+            state.gradient,
+            state.jacobian[used],
+            low,
+            high,
+            step_lower,
+            step_upper,
+        )
+        if step is None:
+            return None
+        return step, -float(state.gradient @ step + 0.5 * step @ state.hessian @ step)
 
 
 def _inradius(polygon: Array) -> float:
