@@ -51,6 +51,7 @@ def test_scalars_follow_the_core_schema_of_yaml_1_2(text, expected):
 def test_every_value_knows_its_line():
     source = read_source("a: 1\nb:\n  - {c: 2,\n     d: 3}\n  -\n    e: 4\n", "x.yaml")
     assert source.line(("a",)) == 1
+    assert source.line(("b",)) == 2  # where its key stands
     assert source.line(("b", 0, "c")) == 3
     assert source.line(("b", 0, "d")) == 4
     assert source.line(("b", 1, "e")) == 6

@@ -109,6 +109,16 @@ def test_a_file_may_give_the_start_and_leave_the_goal_to_the_short_form():
     np.testing.assert_allclose(scene.goal.pose, [1.6, 3.4, math.pi / 2])  # 0.3 m before the wall
 
 
+def test_a_world_beside_a_short_form_adds_to_it_and_may_change_its_bounds():
+    text = "vehicle: dft\ndoorway: {corridor_width: 1.6, door_width: 0.9}\n"
+    world = read_scene(text + "world: {solids: [{circle: [4, 4, 0.1]}]}\n").world
+    assert [solid.name for solid in world.solids[-2:]] == ["back wall of the room", "circle 1"]
+    assert world.bounds == Doorway(1.6, 0.9).world().bounds
+    assert len(world.doors) == 1
+    wider = read_scene(text + "world: {bounds: [-3, -1, 6, 6]}\n").world
+    assert wider.bounds == (-3.0, -1.0, 6.0, 6.0)
+
+
 @pytest.mark.parametrize(
     ("make", "message"),
     [
