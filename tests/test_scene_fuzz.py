@@ -11,6 +11,8 @@ from hypothesis import strategies as st
 from narrows.errors import SceneError
 from narrows.scene import Scene, load_scene, read_scene
 
+pytestmark = pytest.mark.slow
+
 PATIENCE = 5.0  # s of CPU on a loaded machine; small inputs take hundredths
 
 VALID = {

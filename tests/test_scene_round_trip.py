@@ -13,6 +13,8 @@ from narrows.scene import Goal, Scene, check_scene, load_scene, write_scene
 from narrows.vehicle import Layer, Limits, Vehicle
 from narrows.world import Door, MovingSolid, Solid, World
 
+pytestmark = pytest.mark.slow
+
 COORDINATE = st.floats(-1e6, 1e6)
 SMALL = st.floats(0.1, 2.0)
 HEADING = st.floats(-20.0, 20.0)
