@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike
 from .errors import ShapeError
 from .path import Path, is_repeated
 from .profile import Profile
-from .se2 import Array, wrap
+from .se2 import Array
+from .twist_section import TwistSection
 
 ROW_TIME = 0.02
 """Longest time between rows [s]."""
@@ -137,7 +138,8 @@ class Trajectory:
             if end - start <= 1e-12:
                 continue
             fine = np.linspace(start, end, max(2, int(np.ceil((end - start) / ROW_TIME)) + 1))
-            fastest = float(np.abs(self.profile(fine, 1)).max())
+            within = fine[:-1] if self.sampled else fine  # at a break, the next rows' speed counts
+            fastest = float(np.abs(self.profile(within, 1)).max())
             step = min(ROW_TIME, 0.98 * ROW_DISTANCE / max(fastest, 1e-9))
             count = max(1, int(np.ceil((end - start) / step - 1e-9)))
             rows.append(np.linspace(start, end, count + 1)[1:])
@@ -156,14 +158,12 @@ class Trajectory:
     def slip(self) -> float:
         """Return the greatest angle between the motion and the chair's x axis while driving [rad].
 
-        A chair on wheels moves along its x axis only; anything else is slip.
+        A chair on wheels moves along its x axis only; anything else is slip. The heading of a
+        Bezier section is its tangent; a twist keeps its angle to the x axis all along.
         """
         worst = 0.0
         for section in self.path.sections:
-            if section.direction != 0:
-                s = np.linspace(0.0, section.span, max(2, int(np.ceil(section.span / 0.01)) + 1))
-                pose, motion = section.evaluate(s), section.evaluate(s, 1)
-                track = np.arctan2(motion[:, 1], motion[:, 0])
-                along = pose[:, 2] if section.direction > 0 else pose[:, 2] + np.pi
-                worst = max(worst, float(np.abs(wrap(track - along)).max()))
+            if isinstance(section, TwistSection) and section.direction != 0:
+                along = section.direction * section.twists[:, :2]
+                worst = max(worst, float(np.abs(np.arctan2(along[:, 1], along[:, 0])).max()))
         return worst

@@ -239,3 +239,8 @@ def test_a_file_that_cannot_be_written_leaves_nothing_behind(tmp_path, trajector
     with pytest.raises(InputError, match="cannot be written"):
         write_trajectory(trajectory, tmp_path / "folder.csv", vehicle=CHAIR)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["folder.csv", "taken"]
+
+
+def test_one_fast_step_does_not_make_the_slow_ones_dense():
+    motion = Trajectory.from_samples([0.0, 10.0, 10.001], [[0, 0, 0], [0.1, 0, 0], [1.1, 0, 0]])
+    assert len(motion.times) < 700  # 10 s at 50 rows a second, 1 m at a row a centimetre
