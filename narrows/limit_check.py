@@ -16,6 +16,9 @@ RATE = 1000.0
 SLIP = float(np.deg2rad(1.0))
 """Most angle between motion and heading that still is rolling [rad]: a castor's play."""
 
+PERIOD = 0.02
+"""Time over which what jumps is judged [s]: a control period, the longest time between rows."""
+
 _RELATIVE = 1e-3  # an excess a thousandth of the limit is rounding and solver tolerance
 
 
@@ -41,19 +44,27 @@ class LimitCheck:
 def check_limits(trajectory: Trajectory, vehicle: Vehicle) -> LimitCheck:
     """Return the peaks of a trajectory and the limits they exceed.
 
-    A smooth trajectory is sampled at 1 kHz. One read from rows is judged by difference quotients,
-    which are mean values of the true derivatives: they never exceed a limit the motion keeps.
+    A smooth trajectory is sampled at 1 kHz; the path's curvature comes from a table whose error
+    is added to the peaks. What jumps (the yaw rate where the curvature does, the acceleration of a
+    trapezoid) has no derivative there: the change within any control period, `PERIOD`, must not
+    be more than the limit allows in that time. A trajectory read from rows is judged by
+    difference quotients, which are mean values of the true derivatives: they never exceed a
+    limit the motion keeps.
+
+    No wheel's rim is faster than the greater of `speed` and `reverse_speed`. Its acceleration is
+    reported and has no limit of its own: acceleration + yaw_acceleration track / 2 bounds it. On
+    the spot, where the body origin rests, the limits of acceleration and jerk apply to the rims.
 
     Args:
         trajectory: The timed motion.
         vehicle: Its limits and track.
     """
     peaks = _row_peaks(trajectory, vehicle) if trajectory.sampled else _peaks(trajectory, vehicle)
-    peaks["curvature"] = trajectory.path.max_curvature
+    peaks["curvature"] = trajectory.path.curvature_table.greatest
     peaks["slip"] = trajectory.slip()
     violations = [
         f"{name.replace('_', ' ')} reaches {peaks[name]:.3g} {unit}, the limit is {limit:.3g}"
-        for name, unit, limit in _limits(vehicle.limits)
+        for name, unit, limit in limits_by_name(vehicle.limits)
         if peaks[name] > limit * (1.0 + _RELATIVE) + _rounding(name, trajectory)
     ]
     spot = bool((trajectory.path.directions == 0).any())
@@ -62,7 +73,8 @@ def check_limits(trajectory: Trajectory, vehicle: Vehicle) -> LimitCheck:
     return LimitCheck(peaks, tuple(violations))
 
 
-def _limits(limits: Limits) -> list[tuple[str, str, float]]:
+def limits_by_name(limits: Limits) -> list[tuple[str, str, float]]:
+    """Return name, unit and value of every limit a motion is judged by."""
     return [
         ("speed", "m/s", limits.speed),
         ("reverse_speed", "m/s", limits.reverse_speed),
@@ -71,6 +83,7 @@ def _limits(limits: Limits) -> list[tuple[str, str, float]]:
         ("yaw_rate", "rad/s", limits.yaw_rate),
         ("yaw_acceleration", "rad/s^2", limits.yaw_acceleration),
         ("lateral_acceleration", "m/s^2", limits.lateral_acceleration),
+        ("wheel_speed", "m/s", max(limits.speed, limits.reverse_speed)),
         ("curvature", "1/m", limits.curvature),
         ("slip", "rad", SLIP),
     ]
@@ -91,50 +104,87 @@ def _peak(values: Array) -> float:
 
 def _peaks(trajectory: Trajectory, vehicle: Vehicle) -> dict[str, float]:
     """Return the peaks of a smooth trajectory, [v, omega] and their derivatives by formula."""
-    count = int(np.ceil(trajectory.duration * RATE)) + 1
-    time = np.linspace(0.0, trajectory.duration, count)
-    path, s = trajectory.path, trajectory.progress(time)
-    rate, bend, third = (trajectory.progress(time, k) for k in (1, 2, 3))
+    path, table = trajectory.path, trajectory.path.curvature_table
+    s, rate, bend, third = _sampled(trajectory)
+    kappa, kappa_rate = table(s)
     direction = path.directions[path.section_index(s)]
-    first, second = path(s, 1)[:, 2], path(s, 2)[:, 2]
-    omega = first * rate
-    yaw_acceleration = second * rate**2 + first * bend
-    moving = direction != 0
-    v = np.where(moving, direction * rate, 0.0)
-    acceleration = np.where(moving, direction * bend, 0.0)
-    wheels = vehicle.wheel_speeds(np.column_stack([v, omega]))
-    pull = vehicle.wheel_speeds(np.column_stack([acceleration, yaw_acceleration]))
+    omega = kappa * rate
+    yaw_acceleration = kappa_rate * rate**2 + kappa * bend
+    v = direction * rate
+    acceleration, half = direction * bend, 0.5 * vehicle.track
+    spot = direction == 0
+    # what the limits of acceleration and jerk are about: the body origin, on the spot a rim
+    pull, change = acceleration, third
+    if spot.any():
+        pull = np.where(spot, half * yaw_acceleration, acceleration)
+        change = np.where(spot, half * kappa * third, third)
+    top, steepest, off = _peak(rate), _peak(bend), table.kappa_error
+    yaw_off = off * steepest + table.rate_error * top**2
     return {
         "speed": _peak(v[direction > 0]),
         "reverse_speed": _peak(v[direction < 0]),
-        "acceleration": _peak(acceleration),
-        "jerk": _peak(third[moving]),
+        "acceleration": max(_peak(pull), _in_period(np.where(spot, half * omega, v))),
+        "jerk": max(_peak(change), _in_period(pull)),
+        "yaw_rate": _peak(omega) + off * top,
+        "yaw_acceleration": max(_peak(yaw_acceleration) + yaw_off, _in_period(omega)),
+        "lateral_acceleration": _peak(v * omega) + off * top**2,
+        "wheel_speed": _peak(np.abs(v) + half * np.abs(omega)) + half * off * top,
+        "wheel_acceleration": _peak(np.abs(acceleration) + half * np.abs(yaw_acceleration)),
+    }
+
+
+def _sampled(trajectory: Trajectory) -> tuple[Array, Array, Array, Array]:
+    """Return progress and its three derivatives at 1 kHz, each shape (N,)."""
+    profile = trajectory.profile
+    count = int(np.ceil(trajectory.duration * RATE)) + 1
+    time = np.linspace(0.0, trajectory.duration, count)
+    piece = np.searchsorted(profile.breaks[1:-1], time, side="right")
+    tau = time - profile.breaks[piece]
+    c0, c1, c2, c3 = profile.coefficients[piece].T
+    bend = 2.0 * c2 + 6.0 * c3 * tau
+    rate = c1 + tau * (2.0 * c2 + 3.0 * c3 * tau)
+    return c0 + tau * (c1 + tau * (c2 + tau * c3)), rate, bend, 6.0 * c3
+
+
+def _in_period(values: Array) -> float:
+    """Return the greatest change of samples within a control period, per second.
+
+    The mean of the derivative over a period: where there is one, never above its peak.
+    """
+    step = round(PERIOD * RATE)
+    return _peak(values[step:] - values[:-step]) / PERIOD
+
+
+def _row_peaks(trajectory: Trajectory, vehicle: Vehicle) -> dict[str, float]:
+    """Return the peaks of a trajectory read from rows, by difference quotients."""
+    breaks, path = trajectory.profile.breaks, trajectory.path
+    middle = 0.5 * (breaks[:-1] + breaks[1:])
+    command = trajectory.command(middle)
+    v, omega = command.T
+    half = 0.5 * vehicle.track
+    spot = path.directions[path.section_index(trajectory.progress(middle))] == 0
+    along = np.where(spot, half * omega, v)
+    change = np.diff(along) / np.diff(middle)
+    # the third divided difference of progress, times 3!: a mean value of the jerk
+    third = np.diff(change) / ((breaks[3:] - breaks[:-3]) / 3.0)
+    wheels = vehicle.wheel_speeds(command)
+    pull = np.diff(wheels, axis=0) / np.diff(middle)[:, None]
+    return {
+        "speed": _peak(v[v > 0.0]),
+        "reverse_speed": _peak(v[v < 0.0]),
+        "acceleration": _peak(change),
+        "jerk": _peak(third),
         "yaw_rate": _peak(omega),
-        "yaw_acceleration": _peak(yaw_acceleration),
+        "yaw_acceleration": _row_yaw_acceleration(middle, omega),
         "lateral_acceleration": _peak(v * omega),
         "wheel_speed": _peak(wheels),
         "wheel_acceleration": _peak(pull),
     }
 
 
-def _row_peaks(trajectory: Trajectory, vehicle: Vehicle) -> dict[str, float]:
-    """Return the peaks of a trajectory read from rows, by difference quotients."""
-    breaks = trajectory.profile.breaks
-    middle = 0.5 * (breaks[:-1] + breaks[1:])
-    command = trajectory.command(middle)
-    change = np.diff(command, axis=0) / np.diff(middle)[:, None]
-    instant = 0.5 * (middle[:-1] + middle[1:])
-    third = np.diff(change[:, 0]) / np.diff(instant)
-    wheels = vehicle.wheel_speeds(command)
-    pull = np.diff(wheels, axis=0) / np.diff(middle)[:, None]
-    return {
-        "speed": _peak(command[command[:, 0] > 0.0, 0]),
-        "reverse_speed": _peak(command[command[:, 0] < 0.0, 0]),
-        "acceleration": _peak(change[:, 0]),
-        "jerk": _peak(third),
-        "yaw_rate": _peak(command[:, 1]),
-        "yaw_acceleration": _peak(change[:, 1]),
-        "lateral_acceleration": _peak(command[:, 0] * command[:, 1]),
-        "wheel_speed": _peak(wheels),
-        "wheel_acceleration": _peak(pull),
-    }
+def _row_yaw_acceleration(middle: Array, omega: Array) -> float:
+    """Return the greatest mean yaw acceleration over a control period or the next row's end."""
+    later = np.searchsorted(middle, middle + (1.0 - 1e-6) * PERIOD)
+    first = np.flatnonzero(later < len(middle))
+    last = later[first]
+    return _peak((omega[last] - omega[first]) / (middle[last] - middle[first]))

@@ -10,6 +10,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .curvature_table import CurvatureTable
 from .errors import ShapeError
 from .se2 import Array, compose, invert, logarithm, wrap
 from .section import Section
@@ -163,23 +164,18 @@ class Path:
         return np.where(spot, 0.0, self(s, 1)[..., 2])
 
     @cached_property
-    def max_curvature(self) -> float:
-        """Greatest absolute curvature while travelling [1/m], sampled every 2 mm or finer.
+    def curvature_table(self) -> CurvatureTable:
+        """The curvature and its rate on a fine grid of progress, with the error between nodes."""
+        return CurvatureTable.of(self.sections)
 
-        On Bezier sections the curvature is smooth, so what lies between samples is negligible;
-        on twists it is constant between poses, and every piece is sampled.
+    @property
+    def max_curvature(self) -> float:
+        """Greatest absolute curvature while travelling [1/m].
+
+        On Bezier sections by sampling, finest about the peak; on twists it is constant between
+        poses, and every piece counts.
         """
-        greatest = 0.0
-        for section in self.sections:
-            if section.direction == 0:
-                continue
-            if isinstance(section, TwistSection):
-                kappa = section.twists[:, 2] / np.hypot(section.twists[:, 0], section.twists[:, 1])
-            else:
-                count = max(int(np.ceil(section.span / 0.002)), 50 * section.pieces) + 1
-                kappa = section.evaluate(np.linspace(0.0, section.span, count), 1)[:, 2]
-            greatest = max(greatest, float(np.abs(kappa).max()))
-        return greatest
+        return self.curvature_table.greatest
 
 
 def is_repeated(poses: Array) -> NDArray[np.bool_]:

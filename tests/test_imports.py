@@ -17,6 +17,7 @@ LEVELS = [
         "section",
         "bezier_section",
         "twist_section",
+        "curvature_table",
         "path",
         "profile",
         "trajectory",
