@@ -97,6 +97,7 @@ def draw_clearance(axes: Axes, motion: Path | Trajectory, scene: Scene, colour: 
         textcoords="offset points",
         ha="right",
         fontsize=9,
+        bbox={"boxstyle": "round,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.8},
     )
     least = float(clearance.min())
     axes.set_ylim(min(0.0, 1.1e3 * least), 1.05e3 * min(max(_SHOWN, 2.0 * least), clearance.max()))
