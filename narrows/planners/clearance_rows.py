@@ -174,7 +174,7 @@ def _narrowed(
     """Return local minima moved to the least distance between their neighbouring samples."""
     best, width = contacts, 1.0 / (samples - 1)
     offsets = np.array([-0.75, -0.5, -0.25, 0.25, 0.5, 0.75])
-    for _ in range(2):
+    for _ in range(3):
         tried = np.clip(best.parameter[:, None] + width * offsets, 0.0, 1.0).ravel()
         pose, piece = motion(tried), np.repeat(best.piece, len(offsets))
         distance, axis = _distance(pose, body, pieces, piece)

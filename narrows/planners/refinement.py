@@ -7,10 +7,12 @@ cost with the true clearance's price falls enough; the bound grows and shrinks w
 was predicted. Missing clearance has a price and no step is infeasible: where the margin cannot be
 had the clearance is the largest the price pays for.
 
-Inside a solid, the way out of least depth is often back along the way the chair came, which helps
-nobody. So while the curve cuts into something, a body thinner on all sides takes the chair's
-place, thin enough to be clear, and what it lacks is added to what is required; as the curve gives
-way the body grows back to the chair's.
+Two corners that pass each other at a few millimetres turn the axis between them by a right angle
+within as much of the way, and inside a solid the way out is often back where the chair came from:
+straight-line models say little there. So a body thinner on all sides takes the chair's place, thin
+enough to stay well clear, and what it lacks is added to what is required; as the curve gives way
+the body grows back. Where sides or corners pass something the two ask for the same; in the end the
+chair's own body has the last word.
 """
 
 from __future__ import annotations
@@ -37,8 +39,9 @@ from .clearance_rows import Rows, rows_along
 _BEHIND = 1e-3  # m: shortest leg; keeps the heading at a node defined
 _EDGE = 0.98  # share of the goal's tolerance that is used
 _CURVATURE_SHARE = 0.99  # share of the curvature limit asked for at samples
-_CLEAR = 0.005  # m: a thinner body stays this clear, so that its contacts are well defined
+_CLEAR = 0.01  # m: a body thinner than the chair stays this clear, its contacts turn slowly
 _SMALLEST = 1e-5  # m, rad: trust radius at which a search for a better step ends
+_SLACK_CURVATURE = 10.0  # cost / m^2: 2e-3 at a slack of 20 mm
 _FAR_BEND = 1.0  # 1/m: curvature this far below the limit is not watched in a step
 _SAMPLES = 97  # along a section while it moves; twice as many must agree in the end
 _UNSEEN = 1e-4  # m: clearance that more samples may take away without another step
@@ -149,17 +152,22 @@ class Refinement:
     def run(self, guess: Manoeuvre) -> Refined:
         """Return the smooth manoeuvre reached from a guess."""
         options = self.options
-        x = self._pack(guess)
-        state = self._evaluate(x, 0.0)
-        if state.least < 0.0:
-            state = self._evaluate(x, min(_CLEAR - state.least, self.thinnest))
+        state = self._evaluate(self._pack(guess), 0.0)
+        if state.least < _CLEAR:
+            state = self._evaluate(state.x, min(_CLEAR - state.least, self.thinnest))
         radius, tried = options.radius, 0
         while tried < options.iterations:
             tried += 1
             found = self._step(state, radius)
             step, promised = found if found is not None else (None, np.inf)
-            enough = options.enough * max(1.0, abs(state.cost))
-            if step is not None and promised >= enough and radius > _SMALLEST:
+            if step is None and radius > _SMALLEST:
+                radius *= 0.25
+            elif step is None or promised < self._enough(state) or radius < _SMALLEST:
+                closer = self._closer(state)
+                if closer is None:
+                    break
+                state, radius = closer, max(radius, 0.3 * options.radius)
+            else:
                 trial = self._evaluate(state.x + step, state.thinner)
                 ratio = (state.cost - trial.cost) / promised
                 longest = float(np.abs(step[:-2]).max())
@@ -169,21 +177,8 @@ class Refinement:
                 elif ratio > 0.7 and longest > 0.9 * radius:
                     radius = min(2.0 * radius, options.radius)
                 thinner = self._grown_back(state)
-                if state.thinner == 0.0 or thinner > 0.6 * state.thinner:
-                    continue
-            elif step is None and radius > _SMALLEST:
-                radius *= 0.25
-                continue
-            elif state.thinner == 0.0:
-                finer = self._finer(state)
-                if finer is None:
-                    break
-                state, radius = finer, 0.3 * options.radius
-                continue
-            else:
-                thinner = min(self._grown_back(state), 0.5 * state.thinner)
-            state = self._evaluate(state.x, thinner if thinner > _CLEAR / 2 else 0.0)
-            radius = max(radius, 0.3 * options.radius)
+                if thinner < 0.6 * state.thinner - 0.1 * _CLEAR:
+                    state = self._evaluate(state.x, thinner)
         if state.thinner > 0.0:
             state = self._evaluate(state.x, 0.0)
         return Refined(
@@ -195,13 +190,25 @@ class Refinement:
             self.evaluations,
         )
 
-    def _finer(self, state: _State) -> _State | None:
-        """Return the state seen with twice the samples if that shows less clearance, else None."""
+    def _enough(self, state: _State) -> float:
+        """Return the promise below which a step is not worth trying; more on the way there."""
+        share = self.options.enough * (10.0 if state.thinner > 0.0 else 1.0)
+        return share * max(1.0, abs(state.cost))
+
+    def _closer(self, state: _State) -> _State | None:
+        """Return the state seen more truly where that asks for further steps, else None.
+
+        First with the body grown back as far as it may, then with the chair's own body and twice
+        the samples.
+        """
+        thinner = self._grown_back(state)
+        if thinner < 0.9 * state.thinner - 0.1 * _CLEAR:
+            return self._evaluate(state.x, thinner)
         if self.samples > _SAMPLES:
             return None
         self.samples = 2 * _SAMPLES - 1
-        finer = self._evaluate(state.x, 0.0)
-        return finer if finer.x[-2] > state.x[-2] + _UNSEEN else None
+        true = self._evaluate(state.x, 0.0)
+        return true if true.x[-2] > state.x[-2] + _UNSEEN else None
 
     def _grown_back(self, state: _State) -> float:
         """Return how much thinner the body must stay for the curve to be clear of it.
@@ -387,4 +394,7 @@ def _inradius(polygon: Array) -> float:
 def _convex(hessian: Array) -> Array:
     """Return the Hessian with its eigenvalues' absolute values, at least a little."""
     values, vectors = np.linalg.eigh(0.5 * (hessian + hessian.T))
-    return np.asarray((vectors * np.maximum(np.abs(values), 1e-4)) @ vectors.T)
+    convex = (vectors * np.maximum(np.abs(values), 1e-2)) @ vectors.T
+    # The slacks enter linearly; a little curvature keeps the quadratic program well scaled.
+    convex[[-2, -1], [-2, -1]] = _SLACK_CURVATURE
+    return np.asarray(convex)
