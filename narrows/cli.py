@@ -136,7 +136,7 @@ def verify_command(scene: str, trajectory: str, picture: str | None, as_json: bo
     default="lookahead",
     show_default=True,
     metavar="NAME",
-    help="Who steers: lookahead.",
+    help="Who steers: lookahead, linearizing, virtual-target, predictive.",
 )
 @_PLANNER
 @click.option(

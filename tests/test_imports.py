@@ -53,7 +53,7 @@ METHOD_ROOMS = LEVELS[3]
 
 OWNERS = {
     "matplotlib": {"viewer"},
-    "casadi": {"nlp", "quadratic", "planners"},
+    "casadi": {"nlp", "quadratic", "planners", "tracking"},
     "click": {"cli"},
     "tqdm": {"cli", "studies"},
     "numba": {"planners", "perception", "simulation"},

@@ -8,24 +8,18 @@ from dataclasses import dataclass
 from ..errors import InputError, ShapeError
 from ..files import check_can_be_written
 from ..formats import check_suffix, read_trajectory, write_trajectory
-from ..interfaces import Plan, Tracker
+from ..interfaces import Plan
 from ..path import Path
 from ..scene import Scene, load_scene
 from ..simulation.contacts import certify_drive
 from ..simulation.judge import Judgement, judge
 from ..simulation.record import Record, write_record
 from ..simulation.simulator import simulate
-from ..tracking.lookahead import LookaheadTracker
+from ..tracking.registry import make_tracker, tracker_names
 from ..trajectory import Trajectory
-from ..vehicle import Vehicle
 from ..verification import verify
 from .outcome import NOT_FOUND, OK, Outcome, lines, millimetres
 from .plan import check_picture, describe_plan, exit_code
-
-TRACKERS: dict[str, Callable[[Path | Trajectory, Vehicle], Tracker]] = {
-    "lookahead": LookaheadTracker,
-}
-"""Trackers by the names of `--tracker`."""
 
 
 @dataclass(frozen=True)
@@ -72,14 +66,14 @@ def run_drive(
 
     Args:
         scene_file: The scene.
-        tracker: One of `TRACKERS`.
+        tracker: One of `tracker_names()`.
         planner: The planner's name, as for `narrows plan`.
         given: A trajectory to drive instead of planning one.
         files: Where results go.
         report: Called with the share of the drive that is done.
     """
-    if tracker not in TRACKERS:
-        allowed = ", ".join(TRACKERS)
+    if tracker not in tracker_names():
+        allowed = ", ".join(tracker_names())
         raise InputError(
             "there is no such tracker", field="--tracker", value=tracker, allowed=allowed
         )
@@ -103,7 +97,7 @@ def run_drive(
         head = f"{scene.name or scene_file}: {given}, {found.status}"
         notes = [f"{given} is {found.status}: {found.reason}"] if found.problems else []
         notes += [f"{given}: {note}" for note in found.notes if not found.problems]
-    follower = TRACKERS[tracker](motion, scene.vehicle)
+    follower = make_tracker(tracker, motion, scene.vehicle)
     record = simulate(scene, follower, reference=motion, report=report)
     verdict = judge(scene, record)
     if files.record is not None:
