@@ -130,6 +130,7 @@ class SearchPlanner:
         reversing = scene.vehicle.limits.reverse_speed > 0.0
         ground = _ground(scene, options)
         used = {"expansions": 0.0, "nodes": 0.0, "searches": 0.0}
+        finest = math.inf  # scale of the finest cells that were exhausted
         waiting = list(ladder(options, scene.margin, reversing=reversing))
         while waiting and used["expansions"] < options.budget:
             rung = waiting.pop(0)
@@ -142,17 +143,20 @@ class SearchPlanner:
                 manoeuvre = _manoeuvre(scene, outcome, rung, at_rest=at_rest)
                 return SearchResult(manoeuvre, "found", statistics=used)
             if outcome.is_exhausted and rung.floor <= options.least_clearance:
-                if rung.reversing == reversing and rung.scale == options.refinement:
-                    return SearchResult(None, self._exhausted(used), True, used)
+                if rung.reversing == reversing and rung.is_thorough:
+                    finest = min(finest, rung.scale)
+                    if rung.scale <= 0.5**options.refinements:
+                        break
                 waiting = _after_exhaustion(waiting, rung)
-        reason = f"budget of {options.budget} expansions spent without finding a way"
-        return SearchResult(None, reason, statistics=used)
+        return SearchResult(None, self._ending(used, finest), finest < math.inf, used)
 
-    def _exhausted(self, used: dict[str, float]) -> str:
-        cell = 1e3 * self.options.cell * self.options.refinement
-        turn = math.degrees(self.options.heading_cell * self.options.refinement)
+    def _ending(self, used: dict[str, float], scale: float) -> str:
+        if scale == math.inf:
+            return f"budget of {used['expansions']:.0f} expansions spent without finding a way"
+        cell = 1e3 * self.options.cell * scale
+        turn = math.degrees(self.options.heading_cell) * scale
         return (
-            f"search space exhausted at resolution {cell:.0f} mm, {turn:.1f} deg after "
+            f"search space exhausted at resolution {cell:.1f} mm, {turn:.2f} deg after "
             f"{used['expansions']:.0f} expansions; a finer one may still find a way"
         )
 
@@ -160,17 +164,17 @@ class SearchPlanner:
         """Yield searches that differ in where they grow from, in reversing, and in taste."""
         options, near = self.options, self.options.least_clearance
         tastes = (
-            (options, options.weight),
-            (replace(options, crowding=4.0 * options.crowding), math.sqrt(options.weight)),
-            (replace(options, crowding=0.0), options.weight),
+            (options, False),
+            (replace(options, crowding=4.0 * options.crowding), True),
+            (replace(options, crowding=0.0), False),
         )
         reversing = (False, True) if scene.vehicle.limits.reverse_speed > 0.0 else (False,)
-        for taste, weight in tastes:
+        for taste, is_thorough in tastes:
             for backs in reversing:
                 for from_goal in (False, True):
                     for floor in (max(scene.margin, near), near):
                         budget = 4 * options.quick_budget
-                        yield taste, Rung(from_goal, backs, floor, 1.0, weight, budget)
+                        yield taste, Rung(from_goal, backs, floor, 1.0, is_thorough, budget)
 
 
 def _ground(scene: Scene, options: SearchOptions) -> Ground:
@@ -195,17 +199,14 @@ def _cheaper(
 def _after_exhaustion(waiting: list[Rung], rung: Rung) -> list[Rung]:
     """Return the searches still worth trying after one found nothing more to expand.
 
-    The same with more budget is not; in finer cells it comes first among the thorough ones, since
-    it says soonest whether the end it grows from is shut in.
+    The same with more budget is not. Among the thorough ones those from the same end come first:
+    they say soonest whether that end is shut in.
     """
-
-    def is_same(other: Rung) -> bool:
-        return (other.from_goal, other.reversing) == (rung.from_goal, rung.reversing)
-
-    rest = [r for r in waiting if not (is_same(r) and r.scale == rung.scale)]
-    quick = [r for r in rest if r.scale == rung.scale and r.budget <= 2 * rung.budget]
-    thorough = [r for r in rest if r not in quick]
-    return quick + sorted(thorough, key=lambda r: not (is_same(r) and r.scale < rung.scale))
+    ends = (rung.from_goal, rung.reversing)
+    rest = [r for r in waiting if r.space != rung.space]
+    return sorted(
+        rest, key=lambda r: (r.is_thorough, r.is_thorough and (r.from_goal, r.reversing) != ends)
+    )
 
 
 def _count(used: dict[str, float], outcome: Outcome) -> None:

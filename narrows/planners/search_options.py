@@ -16,7 +16,7 @@ class SearchOptions:
         cell: Size of the cells of position [m]; each is entered once, the cheapest way.
         heading_cell: Size of the cells of heading [rad].
         step: Length of a move [m].
-        refinement: Factor on the three above when the coarse cells hold no way.
+        refinements: How often the three above are halved when coarse cells hold no way.
         curvatures: Curvatures of the moves as parts of the chair's limit.
         tightest_arc: Curvature the parts refer to for a chair that may turn on the spot [1/m].
         change_cost: Cost of a change between forward and reverse [m].
@@ -34,7 +34,7 @@ class SearchOptions:
     cell: float = 0.05
     heading_cell: float = math.radians(3.0)
     step: float = 0.1
-    refinement: float = 0.5
+    refinements: int = 2
     curvatures: tuple[float, ...] = (-1.0, -0.5, 0.0, 0.5, 1.0)
     tightest_arc: float = 2.5
     change_cost: float = 1.0
@@ -48,12 +48,12 @@ class SearchOptions:
 
     def __post_init__(self) -> None:
         """Check the numbers."""
-        positive = ("cell", "heading_cell", "step", "refinement", "tightest_arc", "spot_cost")
+        positive = ("cell", "heading_cell", "step", "tightest_arc", "spot_cost")
         for name in (*positive, "care", "least_clearance", "quick_budget", "budget"):
             value = getattr(self, name)
             if not 0.0 < value < math.inf:
                 raise ShapeError(f"{name} must be a positive number, got {value}")
-        for name in ("change_cost", "crowding"):
+        for name in ("change_cost", "crowding", "refinements"):
             if not 0.0 <= getattr(self, name) < math.inf:
                 raise ShapeError(f"{name} must be at least 0, got {getattr(self, name)}")
         if not 1.0 <= self.weight < math.inf:
@@ -71,7 +71,7 @@ class Rung:
         reversing: Whether it may drive in reverse.
         floor: Least clearance [m].
         scale: Factor on cells and step.
-        weight: Factor on the estimate of what is left.
+        is_thorough: Whether it takes the smaller weight and curvatures between those given.
         budget: Most expansions.
     """
 
@@ -79,8 +79,13 @@ class Rung:
     reversing: bool
     floor: float
     scale: float
-    weight: float
+    is_thorough: bool
     budget: int
+
+    @property
+    def space(self) -> tuple[bool, bool, float, bool]:
+        """What it searches: end, directions, cells, moves."""
+        return self.from_goal, self.reversing, self.scale, self.is_thorough
 
 
 def ladder(options: SearchOptions, margin: float, *, reversing: bool) -> tuple[Rung, ...]:
@@ -90,24 +95,22 @@ def ladder(options: SearchOptions, margin: float, *, reversing: bool) -> tuple[R
     thorough, then in finer cells. From the goal first: a chair that backs out of the room through
     a door comes from the narrow to the wide, and the goal may be missed by its tolerances.
     """
-    near = options.least_clearance
-    quick, weight, most = options.quick_budget, options.weight, options.budget
-    calm, fine = math.sqrt(weight), options.refinement
+    near, quick = options.least_clearance, options.quick_budget
     rungs = [
-        Rung(True, False, max(margin, near), 1.0, weight, quick),
-        Rung(True, False, near, 1.0, weight, quick),
-        Rung(False, False, near, 1.0, weight, quick),
+        Rung(True, False, max(margin, near), 1.0, False, quick),
+        Rung(True, False, near, 1.0, False, quick),
+        Rung(False, False, near, 1.0, False, quick),
     ]
     if reversing:
         rungs += [
-            Rung(True, True, max(margin, near), 1.0, weight, quick),
-            Rung(True, True, near, 1.0, weight, 2 * quick),
-            Rung(False, True, near, 1.0, weight, 2 * quick),
+            Rung(True, True, max(margin, near), 1.0, False, quick),
+            Rung(True, True, near, 1.0, False, 2 * quick),
+            Rung(False, True, near, 1.0, False, 2 * quick),
         ]
-    return (
-        *rungs,
-        Rung(True, reversing, near, 1.0, calm, most // 5),
-        Rung(False, reversing, near, 1.0, calm, most // 5),
-        Rung(True, reversing, near, fine, calm, most),
-        Rung(False, reversing, near, fine, calm, most),
-    )
+    for level in range(options.refinements + 1):
+        budget = options.budget // 5 if level == 0 else options.budget
+        rungs += [
+            Rung(from_goal, reversing, near, 0.5**level, True, budget)
+            for from_goal in (True, False)
+        ]
+    return tuple(rungs)

@@ -143,7 +143,7 @@ class Ground:
         if rung.reversing:
             ways.append(-ways[0])
         step, turn = options.step * rung.scale, options.heading_cell * rung.scale
-        parts = options.curvatures if rung.scale >= 1.0 else _with_middles(options.curvatures)
+        parts = _with_middles(options.curvatures) if rung.is_thorough else options.curvatures
         drives = [[v, part * tightest, step] for v in ways for part in parts]
         if spot:
             drives += [[0.0, side, 2.0 * turn] for side in (-1.0, 1.0)]
@@ -157,7 +157,7 @@ class Ground:
             crowding=options.crowding,
             spot=options.spot_cost,
             change=options.change_cost,
-            weight=rung.weight,
+            weight=math.sqrt(options.weight) if rung.is_thorough else options.weight,
             budget=budget,
             attempts=_ATTEMPTS,
         )
