@@ -30,7 +30,7 @@ setup-dev: .venv/.dev-stamp
 
 demo: setup ## plan and drive the example door; trajectory, picture and record into out/
 	@mkdir -p $(OUT)
-	$(BIN)/narrows drive examples/scenes/door.yaml --trajectory-out $(OUT)/door.csv --record $(OUT)/door-record.csv --picture $(OUT)/door.png
+	$(BIN)/narrows drive examples/scenes/door.yaml --save-trajectory $(OUT)/door.csv --record $(OUT)/door-record.csv --picture $(OUT)/door.png
 
 lint: setup-dev ## ruff, format check, mypy --strict
 	$(BIN)/ruff check .

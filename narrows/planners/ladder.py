@@ -18,6 +18,7 @@ from .manoeuvre import Candidate, ManoeuvreOptions, best_candidates, plan_of
 TIME_BUDGET = 5.0
 """CPU time after which no further start is tried [s]."""
 
+_SEARCHED = 3  # manoeuvres of the search that are made smooth
 _PROOF_BUDGET = 3.0  # s of CPU time for the verdict of `passable`
 
 
@@ -33,7 +34,17 @@ def _manoeuvre() -> Planner:
     return ManoeuvrePlanner()
 
 
-RUNGS: dict[str, Callable[[], Planner]] = {"doorway": _doorway, "manoeuvre": _manoeuvre}
+def _search() -> Planner:
+    from .search import SearchPlanner
+
+    return SearchPlanner()
+
+
+RUNGS: dict[str, Callable[[], Planner]] = {
+    "doorway": _doorway,
+    "manoeuvre": _manoeuvre,
+    "search": _search,
+}
 """Planners by the name that `plan` and the command line take, besides "auto"."""
 
 
@@ -76,6 +87,7 @@ class _Ladder:
         """Start the clock."""
         self.begun = time.process_time()
         self.options = ManoeuvreOptions()
+        self.rough: list[Path] = []
 
     def climb(self) -> Plan:
         """Return the outcome of the first rung that settles it."""
@@ -92,16 +104,41 @@ class _Ladder:
                 return self._impassable()
         searched = self._refined(self._searched())
         best = plan_of(self.scene, self._merged(first, searched), self.begun)
-        if best.status is not PlanStatus.CERTIFIED and verdict is not None:
+        if best.status is PlanStatus.CERTIFIED:
+            return best
+        unsmoothed = self._unsmoothed()
+        if unsmoothed is not None:
+            return unsmoothed
+        if verdict is not None:
             best = replace(best, reason=f"{best.reason}; {verdict.reason}")
         return best
+
+    def _unsmoothed(self) -> Plan | None:
+        """Return a way of the search as it is, stopping where it bends, if one is certified."""
+        from .search import SearchPlanner
+
+        if not self.rough:
+            return None
+        plan = SearchPlanner().plan(self.scene)
+        if plan.status is not PlanStatus.CERTIFIED:
+            return None
+        figures = {**plan.statistics, "solve_time_s": time.process_time() - self.begun}
+        return replace(
+            plan,
+            reason=f"{plan.reason}; not smoothed: the chair stops where the way bends",
+            statistics=figures,
+        )
 
     def _refined(self, guesses: Iterable[tuple[str, Path]]) -> list[Candidate]:
         return best_candidates(self.scene, guesses, self.options, self.begun + self.time_budget)
 
     def _searched(self) -> Iterable[tuple[str, Path]]:
-        """Yield rough manoeuvres from the search."""
-        yield from ()
+        """Yield rough manoeuvres from the search, the cheapest first."""
+        from .search import SearchPlanner
+
+        for k, found in enumerate(SearchPlanner().search_many(self.scene, _SEARCHED)):
+            self.rough.append(found.path)
+            yield f"manoeuvre {k + 1} of the search", found.path
 
     def _merged(self, *groups: list[Candidate]) -> list[Candidate]:
         every = [candidate for group in groups for candidate in group]

@@ -38,7 +38,7 @@ from .clearance_rows import Rows, rows_along
 
 _BEHIND = 1e-3  # m: shortest leg; keeps the heading at a node defined
 _EDGE = 0.98  # share of the goal's tolerance that is used
-_CURVATURE_SHARE = 0.99  # share of the curvature limit asked for at samples
+_CURVATURE_SHARE = 0.98  # share of the curvature limit asked for at samples
 _CLEAR = 0.01  # m: a body thinner than the chair stays this clear, its contacts turn slowly
 _SMALLEST = 1e-5  # m, rad: trust radius at which a search for a better step ends
 _SLACK_CURVATURE = 10.0  # cost / m^2: 2e-3 at a slack of 20 mm
