@@ -105,7 +105,7 @@ def _peak(values: Array) -> float:
 def _peaks(trajectory: Trajectory, vehicle: Vehicle) -> dict[str, float]:
     """Return the peaks of a smooth trajectory, [v, omega] and their derivatives by formula."""
     path, table = trajectory.path, trajectory.path.curvature_table
-    s, rate, bend, third = _sampled(trajectory)
+    s, rate, bend = _sampled(trajectory)
     kappa, kappa_rate = table(s)
     direction = path.directions[path.section_index(s)]
     omega = kappa * rate
@@ -114,45 +114,56 @@ def _peaks(trajectory: Trajectory, vehicle: Vehicle) -> dict[str, float]:
     acceleration, half = direction * bend, 0.5 * vehicle.track
     spot = direction == 0
     # what the limits of acceleration and jerk are about: the body origin, on the spot a rim
-    pull, change = acceleration, third
-    if spot.any():
-        pull = np.where(spot, half * yaw_acceleration, acceleration)
-        change = np.where(spot, half * kappa * third, third)
+    pull = np.where(spot, half * yaw_acceleration, acceleration)
+    period = PERIOD * RATE * trajectory.duration / (len(s) - 1)
     top, steepest, off = _peak(rate), _peak(bend), table.kappa_error
     yaw_off = off * steepest + table.rate_error * top**2
     return {
         "speed": _peak(v[direction > 0]),
         "reverse_speed": _peak(v[direction < 0]),
-        "acceleration": max(_peak(pull), _in_period(np.where(spot, half * omega, v))),
-        "jerk": max(_peak(change), _in_period(pull)),
+        "acceleration": max(_peak(pull), _in_period(np.where(spot, half * omega, v), period)),
+        "jerk": max(_piece_jerk(trajectory, half), _in_period(pull, period)),
         "yaw_rate": _peak(omega) + off * top,
-        "yaw_acceleration": max(_peak(yaw_acceleration) + yaw_off, _in_period(omega)),
+        "yaw_acceleration": max(_peak(yaw_acceleration) + yaw_off, _in_period(omega, period)),
         "lateral_acceleration": _peak(v * omega) + off * top**2,
         "wheel_speed": _peak(np.abs(v) + half * np.abs(omega)) + half * off * top,
         "wheel_acceleration": _peak(np.abs(acceleration) + half * np.abs(yaw_acceleration)),
     }
 
 
-def _sampled(trajectory: Trajectory) -> tuple[Array, Array, Array, Array]:
-    """Return progress and its three derivatives at 1 kHz, each shape (N,)."""
+def _sampled(trajectory: Trajectory) -> tuple[Array, Array, Array]:
+    """Return progress and its first two derivatives at 1 kHz, each shape (N,)."""
     profile = trajectory.profile
     count = int(np.ceil(trajectory.duration * RATE)) + 1
-    time = np.linspace(0.0, trajectory.duration, count)
+    time = np.linspace(0.0, trajectory.duration, max(count, 2))
     piece = np.searchsorted(profile.breaks[1:-1], time, side="right")
     tau = time - profile.breaks[piece]
     c0, c1, c2, c3 = profile.coefficients[piece].T
     bend = 2.0 * c2 + 6.0 * c3 * tau
     rate = c1 + tau * (2.0 * c2 + 3.0 * c3 * tau)
-    return c0 + tau * (c1 + tau * (c2 + tau * c3)), rate, bend, 6.0 * c3
+    return c0 + tau * (c1 + tau * (c2 + tau * c3)), rate, bend
 
 
-def _in_period(values: Array) -> float:
-    """Return the greatest change of samples within a control period, per second.
+def _piece_jerk(trajectory: Trajectory, half_track: float) -> float:
+    """Return the greatest jerk of the profile's pieces, of the body origin or of the rims."""
+    path, profile = trajectory.path, trajectory.profile
+    lever = np.where(path.directions == 0, half_track, 1.0)
+    jerk = 6.0 * np.abs(profile.coefficients[:, 3])
+    start = profile.coefficients[:, 0]
+    length = np.diff(start, append=profile.span)
+    return max(
+        float((jerk * lever[path.section_index(start + share * length)]).max())
+        for share in (0.02, 0.5, 0.98)
+    )
+
+
+def _in_period(values: Array, period: float) -> float:
+    """Return the greatest change of samples within a control period [s], per second.
 
     The mean of the derivative over a period: where there is one, never above its peak.
     """
     step = round(PERIOD * RATE)
-    return _peak(values[step:] - values[:-step]) / PERIOD
+    return _peak(values[step:] - values[:-step]) / period
 
 
 def _row_peaks(trajectory: Trajectory, vehicle: Vehicle) -> dict[str, float]:

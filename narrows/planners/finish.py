@@ -7,12 +7,12 @@ from collections.abc import Mapping
 from narrows.clearance import certify
 from narrows.errors import ShapeError
 from narrows.interfaces import Plan, PlanStatus
-from narrows.limit_check import check_limits
 from narrows.path import Path
 from narrows.scene import Scene
 from narrows.se2 import Array, wrap
 
-from .timing import time_path
+from .comfort import ride_figures
+from .timing import timed_path
 
 CERTIFICATE_TOLERANCE = 2e-4
 """How far below the true clearance a plan's certificate may stay [m]."""
@@ -53,12 +53,12 @@ def finished_plan(
     if not certificate.is_clear:
         return refused(f"the best path found is not clear: {certificate.reason}")
     try:
-        trajectory = time_path(path, scene.vehicle)
+        trajectory, check = timed_path(path, scene.vehicle)
     except ShapeError as error:
         return refused(f"the path found is clear but cannot be driven: {error}")
-    check = check_limits(trajectory, scene.vehicle)
     if not check.kept:
         return refused(f"the path found breaks a limit: {'; '.join(check.violations)}")
+    figures |= ride_figures(trajectory, check)
     if scene.world.moving:
         certificate = certify(
             scene.world, scene.vehicle, trajectory, tolerance=CERTIFICATE_TOLERANCE

@@ -2,28 +2,54 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
-from ruckig import InputParameter, Result, Ruckig
-from ruckig import Trajectory as Motion
 
 from narrows.errors import ShapeError
-from narrows.limit_check import check_limits
+from narrows.limit_check import LimitCheck, check_limits, limits_by_name
 from narrows.path import Path
 from narrows.profile import Profile
-from narrows.se2 import Array
-from narrows.section import Section
 from narrows.trajectory import Trajectory
 from narrows.vehicle import Vehicle
 
-_SLOWER = 0.9  # factor on speeds while a limit that couples speed and bend is exceeded
-_TRIES = 40  # 0.9^40 = 1.5 %
+from .legs import MARGIN, Leg, legs_of
+from .local_slowing import varied_motion
+from .single_motion import single_motion
+
+_SAMPLES = 400  # of a leg's motion, to see what it takes of the limits
+_TRIES = 8  # of stretching the whole by what the check finds in excess
+_ORDERS = {
+    "speed": 1,
+    "reverse_speed": 1,
+    "wheel_speed": 1,
+    "yaw_rate": 1,
+    "lateral_acceleration": 2,
+    "acceleration": 2,
+    "yaw_acceleration": 2,
+    "jerk": 3,
+}
+"""The power of a factor on time by which each peak falls."""
+
+
+class Timed(NamedTuple):
+    """A path with times, and what the check of its limits found.
+
+    Attributes:
+        trajectory: The trajectory.
+        check: Its limits, judged by `check_limits`; kept.
+    """
+
+    trajectory: Trajectory
+    check: LimitCheck
 
 
 def time_path(path: Path, vehicle: Vehicle) -> Trajectory:
-    """Return the path with times: at rest at both ends of every section, limits kept.
+    """Return the path with times: as fast as the limits allow, jerk-limited.
 
-    Each section is driven by one jerk-limited motion (ruckig) at the speed its sharpest bend
-    allows; it slows down further while the yaw acceleration is above its limit.
+    The chair rests at both ends, where the direction of travel changes, before and after a turn
+    on the spot, and where the curvature jumps; between, its speed varies with the bend. See
+    docs/timing.md.
 
     Args:
         path: The path.
@@ -33,60 +59,85 @@ def time_path(path: Path, vehicle: Vehicle) -> Trajectory:
         ShapeError: If the path needs something the limits exclude at any speed: reverse travel
             for a chair that only drives forward, or a curvature beyond the limit.
     """
+    return timed_path(path, vehicle).trajectory
+
+
+def timed_path(path: Path, vehicle: Vehicle) -> Timed:
+    """Return the path with times, as `time_path`, with the check that it keeps the limits."""
     if (path.directions < 0).any() and vehicle.limits.reverse_speed == 0.0:
         raise ShapeError("the path reverses and the chair only drives forward")
-    factor = 1.0
+    profile = _joined([(leg.begin, leg_motion(leg)) for leg in legs_of(path, vehicle)])
     for _ in range(_TRIES):
-        trajectory = Trajectory(path, _rest_to_rest(path, vehicle, factor))
+        trajectory = Trajectory(path, profile)
         check = check_limits(trajectory, vehicle)
         if check.kept:
-            return trajectory
-        factor *= _SLOWER
+            return Timed(trajectory, check)
+        factor = _stretch_asked(check, vehicle)
+        if factor <= 1.0:
+            break
+        profile = stretched(profile, 1.001 * factor)
     raise ShapeError(f"no speed keeps the limits: {'; '.join(check.violations)}")
 
 
-def _rest_to_rest(path: Path, vehicle: Vehicle, factor: float) -> Profile:
-    """Return one jerk-limited motion per section, joined at rest."""
-    breaks, rows, begin = [np.zeros(1)], [], 0.0
-    for section in path.sections:
-        speed, acceleration, jerk = _caps(section, vehicle)
-        steps, coefficients = _motion(
-            section.span, factor * speed, factor**2 * acceleration, factor**3 * jerk
-        )
+def _stretch_asked(check: LimitCheck, vehicle: Vehicle) -> float:
+    """Return the factor on time that would keep the limits that depend on speed."""
+    asked = [
+        (check.peaks[name] / limit) ** (1.0 / _ORDERS[name])
+        for name, _, limit in limits_by_name(vehicle.limits)
+        if name in _ORDERS and limit > 0.0
+    ]
+    return float(max(asked))
+
+
+def leg_motion(leg: Leg) -> Profile:
+    """Return progress along a leg from rest to rest.
+
+    The fastest single motion at the leg's greatest cap is taken if it keeps the limits: then
+    nothing is faster. Else the faster of a single motion at the least cap and one whose speed
+    varies, each stretched in time by what it still is in excess.
+    """
+    single, factor = _kept(leg, float(leg.cap.max()))
+    if factor <= 1.0:
+        return single
+    slow, factor = _kept(leg, float(leg.cap.min()))
+    varied = varied_motion(leg)
+    found = [stretched(slow, factor), stretched(varied, stretch_needed(leg, varied))]
+    return min(found, key=lambda profile: profile.duration)
+
+
+def _kept(leg: Leg, speed: float) -> tuple[Profile, float]:
+    """Return the fastest single motion at a speed, and the stretch it needs."""
+    motion = single_motion(leg.span, speed, MARGIN * leg.acceleration, MARGIN * leg.jerk)
+    return motion, stretch_needed(leg, motion)
+
+
+def stretch_needed(leg: Leg, profile: Profile) -> float:
+    """Return the factor on time with which a motion keeps the leg's limits, at least 1.
+
+    Speeds fall with the factor, accelerations with its square, jerk with its cube.
+    """
+    even = np.linspace(0.0, profile.duration, _SAMPLES)
+    time = np.concatenate([even, profile.breaks])
+    excess = leg.excess(profile(time), profile(time, 1), profile(time, 2))
+    jerk = 6.0 * np.abs(profile.coefficients[:, 3]).max() / (leg.jerk * MARGIN)
+    needed = (excess.speed.max(), excess.yaw.max() ** 0.5, jerk ** (1.0 / 3.0))
+    return float(max(needed)) if max(needed) > 1.0 + 0.5 * (1.0 - MARGIN) else 1.0
+
+
+def stretched(profile: Profile, factor: float) -> Profile:
+    """Return the same progress, slower by a factor on time."""
+    if factor == 1.0:
+        return profile
+    scale = factor ** -np.arange(4.0)
+    return Profile(profile.breaks * factor, profile.coefficients * scale)
+
+
+def _joined(parts: list[tuple[float, Profile]]) -> Profile:
+    """Return profiles one after the other, each from its progress at the beginning."""
+    breaks, rows = [np.zeros(1)], []
+    for begin, part in parts:
+        coefficients = part.coefficients.copy()
         coefficients[:, 0] += begin
-        begin += section.span
-        breaks.append(breaks[-1][-1] + np.cumsum(steps))
+        breaks.append(breaks[-1][-1] + part.breaks[1:])
         rows.append(coefficients)
     return Profile(np.concatenate(breaks), np.concatenate(rows))
-
-
-def _caps(section: Section, vehicle: Vehicle) -> tuple[float, float, float]:
-    """Return speed, acceleration and jerk along a section that its sharpest bend allows."""
-    limits = vehicle.limits
-    if section.direction == 0:
-        rim = 2.0 / vehicle.track
-        return (
-            min(limits.yaw_rate, rim * limits.speed),
-            min(limits.yaw_acceleration, rim * limits.acceleration),
-            rim * limits.jerk,
-        )
-    bend = max(Path((section,)).max_curvature, 1e-9)
-    top = limits.speed if section.direction > 0 else limits.reverse_speed
-    lateral = (limits.lateral_acceleration / bend) ** 0.5
-    return min(top, limits.yaw_rate / bend, lateral), limits.acceleration, limits.jerk
-
-
-def _motion(span: float, speed: float, acceleration: float, jerk: float) -> tuple[Array, Array]:
-    """Return durations and coefficients of the fastest motion from rest to rest over a span."""
-    request = InputParameter(1)
-    request.target_position = [span]
-    request.max_velocity, request.max_acceleration = [speed], [acceleration]
-    request.max_jerk = [jerk]
-    motion = Motion(1)
-    if Ruckig(1).calculate(request, motion) not in (Result.Working, Result.Finished):
-        raise ShapeError(f"no motion over {span} with limits {speed}, {acceleration}, {jerk}")
-    profile = motion.profiles[0][0]
-    steps = np.array(profile.t)
-    rows = np.column_stack([profile.p[:7], profile.v[:7], profile.a[:7], profile.j])
-    kept = steps > 1e-12
-    return steps[kept], rows[kept] * np.array([1.0, 1.0, 0.5, 1.0 / 6.0])
