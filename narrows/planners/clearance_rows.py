@@ -95,7 +95,7 @@ def rows_along(
         motion: Poses (N, 3) at parameters (N,) in [0, 1], [m, m, rad].
         margin: Clearance required of solids [m]; bounds are required to hold without margin.
         samples: First samples along the section; least distances are then narrowed down between
-            them to a sixteenth of their spacing.
+            them to a twentieth of their spacing.
     """
     parameter = np.linspace(0.0, 1.0, samples)
     poses = motion(parameter)
@@ -173,8 +173,8 @@ def _narrowed(
 ) -> _Contacts:
     """Return local minima moved to the least distance between their neighbouring samples."""
     best, width = contacts, 1.0 / (samples - 1)
-    offsets = np.array([-0.75, -0.5, -0.25, 0.25, 0.5, 0.75])
-    for _ in range(3):
+    offsets = np.array([-4.0, -3.0, -2.0, -1.0, 1.0, 2.0, 3.0, 4.0]) / 4.5
+    for _ in range(2):
         tried = np.clip(best.parameter[:, None] + width * offsets, 0.0, 1.0).ravel()
         pose, piece = motion(tried), np.repeat(best.piece, len(offsets))
         distance, axis = _distance(pose, body, pieces, piece)
@@ -188,7 +188,7 @@ def _narrowed(
             np.where(better, distance[rows], best.distance),
             np.where(better[:, None], axis[rows], best.axis),
         )
-        width *= 0.25
+        width /= 4.5
     return best
 
 

@@ -63,7 +63,7 @@ def doors_between(scene: Scene) -> list[tuple[Door, float]]:
 
 
 def forward_guesses(scene: Scene) -> list[tuple[str, Path]]:
-    """Return forward curves worth trying before any search: through a door, or straight on."""
+    """Return forward curves worth trying before any search: through doors, else straight on."""
     guesses = [
         (
             "through the door",
@@ -71,7 +71,7 @@ def forward_guesses(scene: Scene) -> list[tuple[str, Path]]:
         )
         for door, heading in doors_between(scene)[:2]
     ]
-    return [*guesses, ("straight on", curve_through([scene.start, scene.goal.pose]))]
+    return guesses or [("straight on", curve_through([scene.start, scene.goal.pose]))]
 
 
 def fitted(path: Path, scene: Scene, segments: int) -> Manoeuvre:

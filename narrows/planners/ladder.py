@@ -18,7 +18,7 @@ from .manoeuvre import Candidate, ManoeuvreOptions, best_candidates, plan_of
 TIME_BUDGET = 5.0
 """CPU time after which no further start is tried [s]."""
 
-_SEARCHED = 3  # manoeuvres of the search that are made smooth
+_SEARCHED = 2  # manoeuvres of the search that are made smooth
 _PROOF_BUDGET = 3.0  # s of CPU time for the verdict of `passable`
 
 

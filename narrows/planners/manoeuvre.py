@@ -18,8 +18,8 @@ from .guess import fitted, forward_guesses
 from .refinement import Refined, Refinement, RefinementOptions
 
 _PIECE = 0.45  # m: a cubic piece about half a chair long bends as sharply as a chair can
-_SEGMENTS = (4, 6, 8, 10)  # few sizes, so that few programs are compiled
-_ROWS = {1: 128, 2: 96}  # rows of clearance by number of sections; 64 for more
+_SEGMENTS = {1: (6, 10)}  # by number of sections, else 6: few sizes, few programs to compile
+_ROWS = {1: 128}  # rows of clearance by number of sections, else 64
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,8 @@ def segments_for(path: Path) -> int:
     """Return how many cubic pieces the longest section of a path wants."""
     longest = max(section.span for section in path.sections if section.direction != 0)
     wanted = math.ceil(longest / _PIECE)
-    return next((size for size in _SEGMENTS if size >= wanted), _SEGMENTS[-1])
+    sizes = _SEGMENTS.get(len(path.sections), (6,))
+    return next((size for size in sizes if size >= wanted), sizes[-1])
 
 
 def refine(scene: Scene, name: str, guess: Path, options: ManoeuvreOptions) -> Candidate:

@@ -64,7 +64,7 @@ class RefinementOptions:
     weights: Weights = field(default_factory=Weights)
     segments: int = 6
     rows: int = 128
-    iterations: int = 60
+    iterations: int = 45
     radius: float = 0.15
     enough: float = 1e-3
 

@@ -112,15 +112,17 @@ class SearchPlanner:
             count: Most manoeuvres wanted.
         """
         first = self.search(scene).manoeuvre
-        found = [] if first is None else [first]
-        for options, rung in self._variants(scene) if found else ():
+        if first is None or count < 1:
+            return ()
+        found = [first]
+        for options, rung in self._variants(scene, first.clearance):
             if len(found) >= count:
                 break
             outcome = _ground(scene, options).search(rung, rung.budget)
             manoeuvre = _manoeuvre(scene, outcome, rung, at_rest=False)
             if manoeuvre and all(_are_distinct(manoeuvre.path, other.path) for other in found):
                 found.append(manoeuvre)
-        return tuple(found[:count])
+        return tuple(found)
 
     def _search(self, scene: Scene, *, at_rest: bool) -> SearchResult:
         options = self.options
@@ -160,9 +162,13 @@ class SearchPlanner:
             f"{used['expansions']:.0f} expansions; a finer one may still find a way"
         )
 
-    def _variants(self, scene: Scene) -> Iterator[tuple[SearchOptions, Rung]]:
-        """Yield searches that differ in where they grow from, in reversing, and in taste."""
-        options, near = self.options, self.options.least_clearance
+    def _variants(self, scene: Scene, clearance: float) -> Iterator[tuple[SearchOptions, Rung]]:
+        """Yield searches that differ in where they grow from, in reversing, and in taste.
+
+        They ask for the clearance the first one kept, then for the least.
+        """
+        options = self.options
+        floors = sorted({clearance, options.least_clearance}, reverse=True)
         tastes = (
             (options, False),
             (replace(options, crowding=4.0 * options.crowding), True),
@@ -172,8 +178,8 @@ class SearchPlanner:
         for taste, is_thorough in tastes:
             for backs in reversing:
                 for from_goal in (False, True):
-                    for floor in (max(scene.margin, near), near):
-                        budget = 4 * options.quick_budget
+                    for floor in floors:
+                        budget = 2 * options.quick_budget
                         yield taste, Rung(from_goal, backs, floor, 1.0, is_thorough, budget)
 
 
@@ -199,14 +205,17 @@ def _cheaper(
 def _after_exhaustion(waiting: list[Rung], rung: Rung) -> list[Rung]:
     """Return the searches still worth trying after one found nothing more to expand.
 
-    The same with more budget is not. Among the thorough ones those from the same end come first:
-    they say soonest whether that end is shut in.
+    The same with more budget is not. In cells of the first size both ends are tried, as a cell is
+    entered once and a narrow way may be lost from one end and not from the other; in finer ones
+    the same end comes first: it says soonest whether it is shut in.
     """
     ends = (rung.from_goal, rung.reversing)
-    rest = [r for r in waiting if r.space != rung.space]
-    return sorted(
-        rest, key=lambda r: (r.is_thorough, r.is_thorough and (r.from_goal, r.reversing) != ends)
-    )
+
+    def order(other: Rung) -> tuple[bool, bool, bool]:
+        is_other_end = (other.from_goal, other.reversing) != ends
+        return other.is_thorough, other.scale < 1.0, other.is_thorough and is_other_end
+
+    return sorted((r for r in waiting if r.space != rung.space), key=order)
 
 
 def _count(used: dict[str, float], outcome: Outcome) -> None:

@@ -302,4 +302,7 @@ class LevelTracker:
         top = self._limits.speed if self._direction > 0 else self._limits.reverse_speed
         speed = self._direction * min(self.options.following.speed, top)
         v, omega = self._law.steer(jet, angle, heading, speed)
-        return np.array([v, max(min(omega, self._limits.yaw_rate), -self._limits.yaw_rate)])
+        most = self._limits.yaw_rate
+        if math.isfinite(self._limits.curvature):
+            most = min(most, self._limits.curvature * abs(v))
+        return np.array([v, max(min(omega, most), -most)])

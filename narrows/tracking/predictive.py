@@ -190,7 +190,7 @@ class PredictiveTracker:
         self._failing += period
         if found is None:
             self._plan = guess
-        if self._failing <= self.options.coast:
+        if self._failing <= self.options.coast + 1e-9:
             self._note(StepStatus.SHIFTED)
             return np.array(guess[:2])
         self._note(StepStatus.BRAKING)
@@ -247,9 +247,10 @@ class PredictiveTracker:
         self, leg: Leg, pose: Array, poses: Array, commands: Array, guess: Array
     ) -> Array:
         sharpest = leg.direction * min(self._limits.curvature, 1e3)
+        ending = self._limits.acceleration / self._limits.jerk
         parts = [
             *(pose, self._last, np.array([self._acceleration]), self._before),
-            *(poses.ravel(), commands.ravel(), np.array([sharpest])),
+            *(poses.ravel(), commands.ravel(), np.array([sharpest, ending])),
         ]
         clear = self._program.shape.clear_steps
         if self._solids is not None and clear:

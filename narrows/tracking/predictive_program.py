@@ -89,9 +89,10 @@ class PredictiveProgram:
 
     Unknowns: [v_0, omega_0, v_1, ...] (2 N), clearance missing at the K clear steps (K).
     Parameters, in order: pose (3), last command (2), last acceleration (1), reference command
-    before (2), reference poses (N, 3), reference commands (N, 2), signed curvature limit (1), rows
-    of clearance (M, 5). Rows: rates of v (N) and omega (N), lateral acceleration (N), omega -+
-    limit v (2 N, optional), jerk (N, optional), clearance (M).
+    before (2), reference poses (N, 3), reference commands (N, 2), signed curvature limit (1), time
+    to end an acceleration (1), rows of clearance (M, 5). Rows: rates of v (N) and omega (N),
+    lateral acceleration (N), omega -+ limit v (2 N, optional), jerk (N) and v + time to end the
+    acceleration x its rate (N, both optional), clearance (M).
 
     Attributes:
         shape: What it is compiled for.
@@ -132,7 +133,7 @@ def build_program(shape: ProgramShape) -> PredictiveProgram:
     pose, last = ca.SX.sym("pose", 3), ca.SX.sym("last", 2)
     last_acceleration, before = ca.SX.sym("acceleration"), ca.SX.sym("before", 2)
     poses, commands = ca.SX.sym("poses", 3, count), ca.SX.sym("commands", 2, count)
-    sharpest = ca.SX.sym("sharpest")
+    sharpest, ending = ca.SX.sym("sharpest"), ca.SX.sym("ending")
     rows = ca.SX.sym("rows", 5, ROWS_PER_POSE * clear)
     parameters = ca.vertcat(
         pose,
@@ -142,6 +143,7 @@ def build_program(shape: ProgramShape) -> PredictiveProgram:
         ca.vec(poses),
         ca.vec(commands),
         sharpest,
+        ending,
         ca.vec(rows),
     )
     controls, missing = ca.reshape(unknowns[: 2 * count], 2, count), unknowns[2 * count :]
@@ -153,7 +155,7 @@ def build_program(shape: ProgramShape) -> PredictiveProgram:
         ca.sqrt(durations) * missing / shape.weights.missing,
     )
     constraints = ca.vertcat(
-        _limit_rows(shape, controls, last, last_acceleration, sharpest),
+        _limit_rows(shape, controls, last, last_acceleration, sharpest, ending),
         _clearance_rows(shape, predicted, rows, missing),
     )
     problem = Problem(
@@ -217,7 +219,12 @@ def _control_residuals(
 
 
 def _limit_rows(
-    shape: ProgramShape, controls: ca.SX, last: ca.SX, last_acceleration: ca.SX, sharpest: ca.SX
+    shape: ProgramShape,
+    controls: ca.SX,
+    last: ca.SX,
+    last_acceleration: ca.SX,
+    sharpest: ca.SX,
+    ending: ca.SX,
 ) -> ca.SX:
     steps = (shape.steps[0], *shape.steps)
     gaps = [0.5 * (a + b) for a, b in zip(steps, shape.steps, strict=False)]
@@ -230,7 +237,9 @@ def _limit_rows(
         parts += [omega - sharpest * v, -omega - sharpest * v]
     if shape.limits_jerk:
         earlier = ca.vertcat(last_acceleration, rates[0, :-1].T)
-        parts.append((rates[0, :].T - earlier) / ca.DM(gaps))
+        # With v + a t <= most and t = greatest a / jerk, v can end at most: along the line the
+        # acceleration falls as a' = -a / t, which the jerk allows.
+        parts += [(rates[0, :].T - earlier) / ca.DM(gaps), v + ending * rates[0, :].T]
     return ca.vertcat(*parts)
 
 

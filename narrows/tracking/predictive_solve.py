@@ -80,9 +80,10 @@ class HorizonSolver:
             most.append(np.full(2 * count, _MANY if free else 0.0))
             least.append(np.full(2 * count, -_MANY))
         if self._program.shape.limits_jerk:
-            jerk = limits.jerk if keep_jerk else _MANY
-            most.append(np.full(count, jerk))
-            least.append(np.full(count, -jerk))
+            speed = limits.speed if direction > 0 else limits.reverse_speed
+            for most_of in (limits.jerk, speed):
+                most.append(np.full(count, most_of if keep_jerk else _MANY))
+                least.append(-most[-1])
         rows = int(self._program.problem.constraints.numel()) - sum(map(len, most))
         most.append(np.full(rows, -self._options.margin))
         least.append(np.full(rows, -_MANY))
