@@ -17,14 +17,23 @@ from .door_arc import DoorTurn
 MOST_PIECES = 120
 """Convex pieces of walls beyond which a scene is not looked at: neither quick nor a corner."""
 
-_TURNS = (math.radians(5.0), math.radians(150.0))
+_TURNS = (math.radians(4.9), math.radians(150.1))
 _OFF_WALL = math.radians(40.0)  # between a pose's heading and the walls it drives along
 _RIGHT = math.radians(0.6)  # of a door's turn from a right angle
 _NEAR = 0.01  # m: from a corner, where its sides are probed
 _FACE = 0.03  # m: before a wall's face, where the corridor goes on
 _DEEP = 1.2  # m: thickness from which a wall is the side of another corridor
 _STEP = 0.02  # m: rays through a door are that far apart
-_BACK = (-0.01, -0.4, -0.8, -1.2, -1.6)  # m: before the corner, where the width is measured
+_BACK = (
+    -0.01,
+    -0.4,
+    -0.8,
+    -1.2,
+    -1.6,
+    -2.0,
+    -2.4,
+)  # m: before the corner, where the width is measured
+_ASKEW = 0.01  # rad: between a wall and the leg it bounds
 _FAR = 1e3  # m: nothing there
 
 
@@ -181,8 +190,16 @@ class _Rays:
     begin: Array
     end: Array
 
+    def across(self, direction: Array) -> _Rays:
+        """Return the edges at right angles to a direction: the walls along a leg."""
+        edge = self.end - self.begin
+        off = np.abs(edge @ direction) / np.hypot(edge[:, 0], edge[:, 1])
+        return _Rays(self.begin[off < _ASKEW], self.end[off < _ASKEW])
+
     def cast(self, origin: Array, direction: Array) -> Array:
         """Return the distance to the first edge from origins (N, 2), shape (N,)."""
+        if not len(self.begin):
+            return np.full(len(np.atleast_2d(origin)), _FAR)
         edge = self.end - self.begin
         rel = self.begin - np.atleast_2d(origin)[:, None]
         across = direction[0] * edge[:, 1] - direction[1] * edge[:, 0]
@@ -202,16 +219,19 @@ def _shape(rays: _Rays, corner: Array, turn: float) -> Corner | DoorTurn | str:
     right = np.array([math.sin(turn), -math.cos(turn)])
     along = np.array([math.cos(turn), math.sin(turn)])
     back = np.column_stack([_BACK, np.full(len(_BACK), -_NEAR)])
-    before = _median(rays.cast(corner + back, np.array([0.0, -1.0]))) + _NEAR
+    down = np.array([0.0, -1.0])
+    before = _median(rays.across(down).cast(corner + back, down)) + _NEAR
     depth = np.arange(_STEP / 2.0, _DEEP, _STEP)
-    across = rays.cast(corner + depth[:, None] * along + _NEAR * right, right) + _NEAR
+    deeper = np.concatenate([depth, _DEEP - np.array(_BACK)])
+    walls = rays.across(right)
+    across = walls.cast(corner + deeper[:, None] * along + _NEAR * right, right) + _NEAR
     width = float(across[0])
-    if before >= _FAR or width >= _FAR:
+    if before >= _FAR or _median(across) >= _FAR:
         return "no arc: there is no wall across from the inner corner to turn along"
     beside = corner - _FACE * along + _NEAR * right
     goes_on = float(rays.cast(beside, right)[0]) + _NEAR > width + 0.05
     if goes_on and abs(turn - 0.5 * math.pi) < _RIGHT:
-        jamb = across < width + 0.05
+        jamb = across[: len(depth)] < width + 0.05
         deep = len(jamb) if jamb.all() else int(jamb.argmin())
         thickness = _FAR if deep == len(jamb) else float(depth[deep] - _STEP / 2.0)
         return DoorTurn(before, float(across[:deep].min()), thickness)
@@ -219,4 +239,6 @@ def _shape(rays: _Rays, corner: Array, turn: float) -> Corner | DoorTurn | str:
 
 
 def _median(values: Array) -> float:
-    return float(np.sort(values)[len(values) // 2])
+    """Return the median of the finite distances, or that of nothing there."""
+    known = np.sort(values[values < _FAR])
+    return float(known[len(known) // 2]) if len(known) else _FAR

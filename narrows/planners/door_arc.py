@@ -33,9 +33,11 @@ from .arc_geometry import ArcBody
 from .corridor_turn import TurnArc, corner_support
 
 _RIGHT = 0.5 * math.pi
-_GRID = 40  # radii and shifts looked at together at first
-_FINE = 17  # and when zooming in, 4-fold each time
-_ZOOMS = 8
+_GRID = 48  # radii looked at together at first
+_FINE = 21  # and when zooming in, 5-fold each time
+_ZOOMS = 4
+_SHIFTS = 17  # shifts looked at together for each radius, 8-fold closer each time
+_SHIFT_ZOOMS = 4
 _BISECTIONS = 40
 _EASE = 1e-4  # clearance given up for a metre more radius, 2 m at most
 _LARGEST_RADIUS = 12.0  # m: of the drive axle; beyond it is a straight drive through a wide door
@@ -241,29 +243,50 @@ def best_door_arc(
         line: Distance of the line of travel along the corridor from the door's wall [m]; None: any.
         side: Distance of the line of travel through the door from the near jamb [m]; None: any.
     """
-    radii = (least_radius, max(_LARGEST_RADIUS, 2.0 * least_radius))
-    spares = (-0.5, max(door.corridor - body.width, 0.1))  # between body and corridor's far wall
+    low, high = least_radius, max(_LARGEST_RADIUS, 2.0 * least_radius)
     found: tuple[float, ...] = (-math.inf,)
     for zoom in range(_ZOOMS):
         # At first steps grow like a cube from the least: small radii matter more.
         share = np.linspace(0.0, 1.0, _GRID if zoom == 0 else _FINE)
-        radius = (radii[0] + (radii[1] - radii[0]) * (share**3 if zoom == 0 else share))[:, None]
-        spare = spares[0] + (spares[1] - spares[0]) * share
-        if line is None:
-            beyond = np.hypot(body.rear, radius + 0.5 * body.width) - door.corridor + spare
-        else:
-            beyond = radius - line
-        rho = np.broadcast_to(radius, beyond.shape)
-        behind = rho - side if side is not None else balanced_side(body, door, rho, beyond)
-        clearance = door_clearance(body, door, rho, beyond, behind)
-        score = clearance + _EASE * np.minimum(rho, 2.0)
-        i, j = divmod(int(score.argmax()), score.shape[1])
-        values = (score, clearance, rho, beyond, behind)
-        found = max(found, tuple(float(value[i, j]) for value in values))
-        last = len(share) - 1
-        radii = (float(radius[max(i - 2, 0), 0]), float(radius[min(i + 2, last), 0]))
-        spares = (float(spare[max(j - 2, 0)]), float(spare[min(j + 2, last)]))
+        radius = low + (high - low) * (share**3 if zoom == 0 else share)
+        beyond = _best_shift(body, door, radius, side) if line is None else radius - line
+        behind = _behind(body, door, radius, beyond, side)
+        clearance = door_clearance(body, door, radius, beyond, behind)
+        score = clearance + _EASE * np.minimum(radius, 2.0)
+        k = int(score.argmax())
+        values = (score, clearance, radius, beyond, behind)
+        found = max(found, tuple(float(value[k]) for value in values))
+        low, high = float(radius[max(k - 2, 0)]), float(radius[min(k + 2, len(radius) - 1)])
     return TurnArc(found[2], found[3], found[4], _RIGHT, found[1])
+
+
+def _behind(
+    body: ArcBody, door: DoorTurn, radius: Array, beyond: Array, side: float | None
+) -> Array:
+    """Return a_2 of arcs on a given line through the door, or clearing both jambs alike."""
+    if side is None:
+        return balanced_side(body, door, radius, beyond)
+    return np.asarray(radius - side)
+
+
+def _best_shift(body: ArcBody, door: DoorTurn, radius: Array, side: float | None) -> Array:
+    """Return the shift a_1 of the greatest clearance for each radius (N,), [m].
+
+    The further beyond the wall, the more the corridor's far wall is cleared and the less the
+    jambs: one maximum, closed in on for all radii at once.
+    """
+    first = (np.hypot(body.rear, radius + 0.5 * body.width) - door.corridor)[:, None]
+    rho, rows = radius[:, None], np.arange(len(radius))
+    low = np.full_like(rho, -0.5)  # clearance of the corridor's far wall
+    high = np.full_like(rho, max(door.corridor - body.width, 0.1))
+    spare = low
+    for _ in range(_SHIFT_ZOOMS):
+        spare = low + (high - low) * np.linspace(0.0, 1.0, _SHIFTS)
+        behind = _behind(body, door, rho, first + spare, side)
+        best = door_clearance(body, door, rho, first + spare, behind).argmax(axis=1)
+        low = spare[rows, np.maximum(best - 1, 0)][:, None]
+        high = spare[rows, np.minimum(best + 1, _SHIFTS - 1)][:, None]
+    return np.asarray(first[:, 0] + spare[rows, best])
 
 
 def missing_door(
