@@ -134,7 +134,6 @@ class ManoeuvreProgram:
         problem: The program in symbols; constraints are the goal's offset along and across its
             heading [m] (2), then for each section kappa - excess and -kappa - excess [1/m], then
             for each section its rows of clearance, less what is required [m].
-        model: (unknowns, parameters) -> cost, its gradient and Hessian, constraints, Jacobian.
     """
 
     def __init__(self, layout: Layout) -> None:
@@ -145,17 +144,23 @@ class ManoeuvreProgram:
         unknowns, parameters = self.problem.unknowns, self.problem.parameters
         cost, rows = self.problem.objective, self.problem.constraints
         hessian, gradient = ca.hessian(cost, unknowns)
-        self.model = ca.Function(
+        parts = [cost, gradient, hessian, rows, ca.jacobian(rows, unknowns)]
+        self._shapes = [part.shape for part in parts]
+        self._model = ca.Function(
             "model",
             [unknowns, parameters],
-            [
-                cost,
-                gradient,
-                ca.densify(hessian),
-                rows,
-                ca.densify(ca.jacobian(rows, unknowns)),
-            ],
+            [ca.vertcat(*[ca.vec(ca.densify(part)) for part in parts])],
         )
+
+    def evaluate(self, x: Array, parameters: Array) -> tuple[float, Array, Array, Array, Array]:
+        """Return cost, gradient (n,), Hessian (n, n), constraints (m,) and Jacobian (m, n)."""
+        column = self._model(x, parameters).full().ravel()  # one array: five cost twice the time
+        ends = np.cumsum([0, *(rows * columns for rows, columns in self._shapes)])
+        cost, gradient, hessian, rows, jacobian = (
+            column[begin:end].reshape(columns, count).T
+            for begin, end, (count, columns) in zip(ends[:-1], ends[1:], self._shapes, strict=True)
+        )
+        return float(cost.item()), gradient.ravel(), hessian, rows.ravel(), jacobian
 
     def _state(self) -> Problem:
         layout = self.layout

@@ -78,6 +78,16 @@ class _Contacts:
             self.axis[rows],
         )
 
+    def and_also(self, other: _Contacts) -> _Contacts:
+        """Return the pairs of both."""
+        return _Contacts(
+            np.concatenate([self.parameter, other.parameter]),
+            np.concatenate([self.pose, other.pose]),
+            np.concatenate([self.piece, other.piece]),
+            np.concatenate([self.distance, other.distance]),
+            np.concatenate([self.axis, other.axis]),
+        )
+
 
 def rows_along(
     world: World,
@@ -112,8 +122,8 @@ def rows_along(
         minimum, along = _watched(contacts, sample, travelled)
         lowest = _narrowed(contacts.take(minimum), motion, layer.polygon, pieces, samples)
         least = min(least, float(lowest.distance.min()))
-        for chosen in (lowest, contacts.take(along)):
-            sets.append(_solid_rows(chosen, layer.polygon, pieces, margin))
+        watched = lowest.and_also(contacts.take(along))
+        sets.append(_solid_rows(watched, layer.polygon, pieces, margin))
     return Rows.joined(sets), least
 
 

@@ -302,20 +302,17 @@ class Refinement:
         )
         x = x.copy()
         x[-2:] = 0.0
-        cost, gradient, hessian, g, jacobian = (
-            np.asarray(v) for v in self.program.model(x, parameters)
-        )
-        g = g.ravel()
+        cost, gradient, hessian, g, jacobian = self.program.evaluate(x, parameters)
         bends, watched = self._split(g, np.concatenate(used))
         slack = max(0.0, float(-watched.min(initial=0.0)))
         excess = max(0.0, float(bends.max()) - self.limit)
         x[-2:] = slack, excess
         weights = self.options.weights
-        total = float(cost.item()) + weights.price * slack + weights.bend_price * excess
+        total = cost + weights.price * slack + weights.bend_price * excess
         g[2 : 2 + len(bends)] -= excess
         g[2 + len(bends) :] += slack
         g[2 + len(bends) :][~np.concatenate(used)] = np.inf
-        return _State(x, total, gradient.ravel(), _convex(hessian), g, jacobian, thinner, least)
+        return _State(x, total, gradient, _convex(hessian), g, jacobian, thinner, least)
 
     def _split(self, g: Array, used: NDArray[np.bool_]) -> tuple[Array, Array]:
         """Return curvature rows and the clearance rows in use."""

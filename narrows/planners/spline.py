@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from math import factorial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -42,7 +43,10 @@ class Spline:
         return np.concatenate([np.zeros(3), inner, np.ones(3)])
 
     def basis(self, parameter: ArrayLike, order: int = 0) -> Array:
-        """Return the weights of the control points, by the Cox-de Boor recursion.
+        """Return the weights of the control points.
+
+        On each segment the weights are cubic in the parameter: their Taylor series about the
+        segment's start, whose derivatives come from the Cox-de Boor recursion, is exact.
 
         Args:
             parameter: Parameters in [0, 1], shape (N,).
@@ -54,6 +58,22 @@ class Spline:
         t = np.atleast_1d(np.asarray(parameter, dtype=float))
         if not 0 <= order <= 3:
             raise ShapeError(f"order must be 0 to 3, got {order}")
+        segment = np.clip((t * self.segments).astype(np.int64), 0, self.segments - 1)
+        step = (t - segment / self.segments)[:, None]
+        taylor = self._taylor[segment]  # (N, 4, count)
+        weights = taylor[:, 3] / float(factorial(3 - order))
+        for k in range(2, order - 1, -1):
+            weights = weights * step + taylor[:, k] / float(factorial(k - order))
+        return np.asarray(weights)
+
+    @cached_property
+    def _taylor(self) -> Array:
+        """Derivatives 0 to 3 of the weights at the start of each segment, (segments, 4, count)."""
+        start = np.arange(self.segments) / self.segments
+        return np.stack([self._recursion(start, order) for order in range(4)], axis=1)
+
+    def _recursion(self, t: Array, order: int) -> Array:
+        """Return the weights or a derivative of them by the Cox-de Boor recursion, (N, count)."""
         knots = self.knots
         span = np.clip(np.searchsorted(knots, t, side="right") - 1, 3, self.count - 1)
         weights = np.zeros((len(t), len(knots) - 1))
