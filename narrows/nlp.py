@@ -337,7 +337,8 @@ class Solver:
         gradient, jacobian = self.problem.derivatives(x, given["p"])
         # CasADi gives NaN multipliers after some failures; they must not poison a later warm start.
         lam_g, lam_x = np.nan_to_num(lam_g), np.nan_to_num(lam_x)
-        slope = np.asarray(gradient).ravel() + np.asarray(jacobian).T @ lam_g + lam_x
+        pull = ca.mtimes(jacobian.T, ca.DM(lam_g))  # sparse: large programs have large Jacobians
+        slope = np.asarray(gradient).ravel() + np.asarray(pull).ravel() + lam_x
         off_constraints = _violation(g, given["lbg"], given["ubg"])
         off_bounds = _violation(x, given["lbx"], given["ubx"])
         objective = float(value)
