@@ -59,7 +59,7 @@ class Spline:
         if not 0 <= order <= 3:
             raise ShapeError(f"order must be 0 to 3, got {order}")
         segment = np.clip((t * self.segments).astype(np.int64), 0, self.segments - 1)
-        step = (t - segment / self.segments)[:, None]
+        step = (t - self.knots[3 + segment])[:, None]
         taylor = self._taylor[segment]  # (N, 4, count)
         weights = taylor[:, 3] / float(factorial(3 - order))
         for k in range(2, order - 1, -1):
@@ -69,7 +69,7 @@ class Spline:
     @cached_property
     def _taylor(self) -> Array:
         """Derivatives 0 to 3 of the weights at the start of each segment, (segments, 4, count)."""
-        start = np.arange(self.segments) / self.segments
+        start = self.knots[3:-4]  # bit for bit the knots, or the segment before would answer
         return np.stack([self._recursion(start, order) for order in range(4)], axis=1)
 
     def _recursion(self, t: Array, order: int) -> Array:
