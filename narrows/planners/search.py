@@ -145,11 +145,11 @@ class SearchPlanner:
                 manoeuvre = _manoeuvre(scene, outcome, rung, at_rest=at_rest)
                 return SearchResult(manoeuvre, "found", statistics=used)
             if outcome.is_exhausted and rung.floor <= options.least_clearance:
-                if rung.reversing == reversing and rung.is_thorough:
+                if rung.reversing == reversing and rung.is_thorough != reversing:
                     finest = min(finest, rung.scale)
                     if rung.scale <= 0.5**options.refinements:
                         break
-                waiting = _after_exhaustion(waiting, rung)
+                waiting = _after_exhaustion(waiting, rung, options.quick_budget)
         return SearchResult(None, self._ending(used, finest), finest < math.inf, used)
 
     def _ending(self, used: dict[str, float], scale: float) -> str:
@@ -202,7 +202,7 @@ def _cheaper(
     return (rung, outcome) if challenger.way is None else (other, challenger)
 
 
-def _after_exhaustion(waiting: list[Rung], rung: Rung) -> list[Rung]:
+def _after_exhaustion(waiting: list[Rung], rung: Rung, quick: int) -> list[Rung]:
     """Return the searches still worth trying after one found nothing more to expand.
 
     The same with more budget is not. In cells of the first size both ends are tried, as a cell is
@@ -213,7 +213,8 @@ def _after_exhaustion(waiting: list[Rung], rung: Rung) -> list[Rung]:
 
     def order(other: Rung) -> tuple[bool, bool, bool]:
         is_other_end = (other.from_goal, other.reversing) != ends
-        return other.is_thorough, other.scale < 1.0, other.is_thorough and is_other_end
+        is_long = other.budget > 2 * quick
+        return is_long, other.scale < 1.0, is_long and is_other_end
 
     return sorted((r for r in waiting if r.space != rung.space), key=order)
 

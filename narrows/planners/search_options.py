@@ -93,7 +93,9 @@ def ladder(options: SearchOptions, margin: float, *, reversing: bool) -> tuple[R
 
     Quick and greedy with the margin asked for, then closer to the solids, then from both ends and
     thorough, then in finer cells. From the goal first: a chair that backs out of the room through
-    a door comes from the narrow to the wide, and the goal may be missed by its tolerances.
+    a door comes from the narrow to the wide, and the goal may be missed by its tolerances. Where
+    reversing is allowed the long searches stay greedy and start at the start: shunting is a long
+    way, which a careful search does not reach.
     """
     near, quick = options.least_clearance, options.quick_budget
     rungs = [
@@ -108,9 +110,9 @@ def ladder(options: SearchOptions, margin: float, *, reversing: bool) -> tuple[R
             Rung(False, True, near, 1.0, False, 2 * quick),
         ]
     for level in range(options.refinements + 1):
-        budget = options.budget // 5 if level == 0 else options.budget
+        budget = options.budget if level else options.budget // (3 if reversing else 5)
         rungs += [
-            Rung(from_goal, reversing, near, 0.5**level, True, budget)
-            for from_goal in (True, False)
+            Rung(from_goal, reversing, near, 0.5**level, not reversing, budget)
+            for from_goal in (not reversing, reversing)
         ]
     return tuple(rungs)
