@@ -188,7 +188,7 @@ def _chairs(fitted: Table) -> str:
     doors = {name: ".2f" for name in corridors if name != "chair"}
     tight = all(row["clear_2mm_above"] and not row["clear_2mm_below"] for row in fitted.done.rows)
     confirmed = (
-        "The certificate confirms each least corridor for one arc: clear in 2 mm more, not in 2 less."
+        "The certificate confirms each corridor for one arc: clear with 2 mm more, not with 2 less."
         if tight
         else "**The certificate does not confirm all of them.**"
     )

@@ -100,8 +100,8 @@ def _drawn_turn(name: str) -> DrawnTurn:
     frame = CornerFrame(np.array([0.0, WIDTH]), 0.0, 1)
     x, y = arc.centre
     begin = frame.pose_in_world(x, y - arc.radius, 0.0)
-    start = frame.pose_in_world(x - 1.0, y - arc.radius, 0.0)
-    pieces = [(1.0, 0.0), (arc.radius * arc.turn, 1.0 / arc.radius), (1.0, 0.0)]
+    start = frame.pose_in_world(x - 2.5, y - arc.radius, 0.0)
+    pieces = [(2.5, 0.0), (arc.radius * arc.turn, 1.0 / arc.radius), (2.5, 0.0)]
     text = (
         f"r = {arc.radius - half:.2f} m, C_r = {arc.side_gap(2.0 * half):.2f} m, "
         f"C_n = {arc.axle_gap:.2f} m\nclear by {1e3 * arc.clearance:.0f} mm"
@@ -173,6 +173,6 @@ def _trade_figure(trade: Mapping[str, Array]) -> Figure:
         title="The narrowest corridor from which one arc leads through a door (thin wall, r >= 0)",
         x="door [m]",
         y="corridor [m]",
-        y_from=1.0,
+        y_from=0.8,
         y_to=3.6,
     )

@@ -197,6 +197,7 @@ def executed_figure(
         right.axvline(0.0, color=palette.INK, linewidth=1.2)
         right.axvspan(edges[0], 0.0, color=palette.PALE, alpha=0.35, zorder=0)
         right.set_xlim(edges[0], edges[-1])
+        right.set_ylim(0.0, 1.35 * right.get_ylim()[1])  # room for the legend
         right.set_xlabel("least clearance of the true drive [mm]")
         right.set_ylabel("drives")
         right.legend(loc="upper right", fontsize=11, framealpha=0.95)
