@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from .search_rung import Ground, Outcome
 
 _DISTINCT = (0.25, math.radians(20.0))  # m, rad: manoeuvres nearer to each other are one
+_GLANCE = 5  # part of a quick search spent on looking for a cheaper way with reversing
 _COMPARED = 33  # places along two manoeuvres that are compared
 
 
@@ -197,7 +198,7 @@ def _cheaper(
     if outcome.way is None:
         return rung, outcome
     other = replace(rung, reversing=True)
-    challenger = ground.search(other, other.budget, bound=outcome.way.cost)
+    challenger = ground.search(other, other.budget // _GLANCE, bound=outcome.way.cost)
     _count(used, challenger)
     return (rung, outcome) if challenger.way is None else (other, challenger)
 

@@ -15,8 +15,8 @@ from .search_curves import arc_line_arc
 from .search_queue import pop, push, slot_of
 
 FOUND, EXHAUSTED, SPENT, OUTDONE = 0, 1, 2, 3
-"""How a search ended: connected, nothing left to expand, the budget used up, or all that is left
-estimated above the cost to beat."""
+"""How a search ended: connected, nothing left to expand, the budget used up, or nothing left that
+could cost less than the cost to beat."""
 
 
 class Rules(NamedTuple):
@@ -187,6 +187,8 @@ def connect(
     x, y, heading = tree.pose[node, 0], tree.pose[node, 1], tree.pose[node, 2]
     for word in range(4):
         length = arc_line_arc(x, y, heading, goal, v, rules.radius, word, room.curve)
+        if rules.radius == 0.0:
+            length = room.curve[1, 2] + rules.spot * (length - room.curve[1, 2])
         if tree.cost[node] + length >= best:
             continue
         cost = tree.cost[node] + curve_cost(solids, rules, node, room, best - tree.cost[node])
@@ -320,9 +322,9 @@ def grow(
     while state[1] > 0:
         key, node = pop(room.keys, room.items, state[1])
         state[1] -= 1
-        if key >= best:
-            return FOUND if found else OUTDONE
-        if room.is_closed[node]:
+        if found and key >= best:
+            return FOUND
+        if room.is_closed[node] or room.tree.cost[node] + room.left[node] >= best:
             continue
         if state[2] >= rules.budget or state[0] + rules.drives.shape[0] > len(room.left):
             return FOUND if found else SPENT
@@ -339,4 +341,6 @@ def grow(
                     if cost < best:
                         best, found, state[3], bound[0] = cost, True, node, cost
         expand(solids, field, rules, goal, room, node, state)
-    return FOUND if found else EXHAUSTED
+    if found:
+        return FOUND
+    return EXHAUSTED if best == math.inf else OUTDONE
