@@ -16,7 +16,8 @@ from .corridor_turn import Corner, TurnArc, best_arc
 from .door_arc import DoorTurn, best_door_arc
 
 _LEAST_RADIUS = 0.02  # m: of the axle's middle; below it the chair turns on the spot
-_OFF = 0.45  # rad: of start or goal from the legs' directions, beyond it nothing is tried
+_THICKEST = 1.0  # m: of a door's wall; beyond it is a side corridor
+_OFF = 1.3  # rad: of start or goal from the legs' directions, beyond it nothing is tried
 _BLENDS = ((1.0, 1.0), (0.0, 0.0), (0.5, 0.5), (1.0, 0.0), (0.0, 1.0))
 _SHARES = (1.0, 0.55)  # of the way to the turn that aligning may take
 
@@ -108,13 +109,27 @@ class ArcTask:
             if arc.clearance <= 0.0:
                 continue
             for share in _SHARES:
-                pieces = turn_pieces(arc, found.start, found.goal, self.least_radius, share)
+                pieces = turn_pieces(
+                    arc,
+                    found.start,
+                    found.goal,
+                    self.least_radius,
+                    share=share,
+                    straight=self._straight_after(arc),
+                )
                 if isinstance(pieces, str):
                     yield pieces
                     continue
                 yield self._candidate(arc, pieces)
                 if sum(bend != 0.0 for _, bend in pieces) == 1:
                     break  # nothing is aligned: the other share is the same path
+
+    def _straight_after(self, arc: TurnArc) -> float:
+        """Return how far the chair drives straight behind an arc until it is out of a door [m]."""
+        shape = self.found.shape
+        if isinstance(shape, Corner) or shape.thickness > _THICKEST:
+            return 0.0
+        return max(shape.thickness + self.body.rear - arc.behind_before, 0.0)
 
     def _blended(self, own: tuple[float, float], blend: tuple[float, float]) -> TurnArc:
         """Return the arc on lines between the best arc's (0) and given ones (1)."""

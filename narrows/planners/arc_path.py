@@ -107,7 +107,9 @@ def turn_pieces(
     start: tuple[float, float, float],
     goal: tuple[float, float, float],
     least_radius: float,
+    *,
     share: float = 1.0,
+    straight: float = 0.0,
 ) -> list[Piece] | str:
     """Return the pieces of a path start - line - arc - line - goal, or what is too short.
 
@@ -117,6 +119,7 @@ def turn_pieces(
         goal: In the corner's frame.
         least_radius: Of the arcs that align [m].
         share: Of each leg that aligning may take.
+        straight: Way after the turn that is driven straight, to be out of a door [m].
     """
     centre_x, centre_y = arc.centre
     room = centre_x - start[0]
@@ -132,13 +135,14 @@ def turn_pieces(
     line_after = arc.radius - arc.behind_after  # to the right of the inner wall
     before = align(start[1], start[2], line_before, share * room, least_radius)
     # Seen from the goal, driving backwards in the mirror, curvatures are the same.
-    after = align(end[1], -end[2], -line_after, share * room_after, least_radius)
+    bend = max(share * (room_after - straight), 0.0)
+    after = align(end[1], -end[2], -line_after, bend, least_radius)
     if before is None or after is None:
         which = "start" if before is None else "goal"
         return (
             f"the {which} is too near to the corner to reach the turn's line from where it stands"
         )
-    rest = [((1.0 - share) * room, 0.0)], [((1.0 - share) * room_after, 0.0)]
+    rest = [((1.0 - share) * room, 0.0)], [(room_after - bend, 0.0)]
     turn = [(arc.radius * arc.turn, 1.0 / arc.radius)]
     return [*before, *rest[0], *turn, *rest[1], *reversed(after)]
 

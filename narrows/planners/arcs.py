@@ -17,7 +17,8 @@ from .finish import finished_plan
 
 NAME = "arc"
 
-_MOST_PATHS = 8  # certified
+_MOST_PATHS = 10  # certified
+_SHARE = 0.6  # of the best arc's clearance with which a path is taken at once
 
 
 class ArcPlanner:
@@ -81,7 +82,12 @@ def arc_guess(scene: Scene) -> Path | None:
 
 
 def _clearest(scene: Scene, task: ArcTask) -> tuple[ArcCandidate | None, Path | None, str]:
-    """Return the first path that keeps the margin, or the clearest; or what was in the way."""
+    """Return the first path that clears enough, or the clearest; or what was in the way.
+
+    Enough is the margin and a fair share of what any one arc clears: a path without aligning is
+    worth some clearance, but not most of it.
+    """
+    enough = max(scene.margin, _SHARE * task.best.clearance)
     chosen: tuple[float, ArcCandidate, Path] | None = None
     problem = "the lines of start and goal leave it no room"
     tried = 0
@@ -94,7 +100,7 @@ def _clearest(scene: Scene, task: ArcTask) -> tuple[ArcCandidate | None, Path | 
         if chosen is None or clearance > chosen[0]:
             chosen = (clearance, candidate, path)
         tried += 1
-        if clearance >= scene.margin or tried >= _MOST_PATHS:
+        if clearance >= enough or tried >= _MOST_PATHS:
             break
     return (None, None, problem) if chosen is None else (chosen[1], chosen[2], "")
 

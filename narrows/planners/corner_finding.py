@@ -65,10 +65,11 @@ class FoundTurn:
 def find_turn(scene: Scene) -> FoundTurn | str:
     """Return the turn between start and goal, or why none is recognised.
 
-    The walls nearest to start and goal and most nearly along their headings give the directions of
-    both legs; among the walls' corners between them the nearest is the inner one; rays across the
-    legs give the widths. Where the first leg goes on behind the opening it is a door (or a side
-    corridor): its thickness is that of the far jamb. Solids other than walls are not looked at.
+    A known door between them gives the directions of both legs, else the walls nearest to start
+    and goal and most nearly along their headings. Among the walls' corners between them the
+    nearest is the inner one; rays across the legs give the widths. Where the first leg goes on
+    behind the opening it is a door (or a side corridor): its thickness is that of the far jamb.
+    Solids other than walls are not looked at.
     """
     pieces = scene.world.pieces_between(0.0, scene.vehicle.height)
     solid = pieces.radius == 0.0
@@ -76,8 +77,7 @@ def find_turn(scene: Scene) -> FoundTurn | str:
         return "no arc: there are no walls to turn between, or too many to be one corner"
     polygons = pieces.corners[solid]
     begin, end = _edges(polygons)
-    headings = [_leg_heading(pose, begin, end) for pose in (scene.start, scene.goal.pose)]
-    before, after = headings
+    before, after = _leg_headings(scene, begin, end)
     if before is None or after is None:
         return "no arc: no wall runs along the heading of the start or of the goal"
     turn = float(wrap(after - before))
@@ -96,6 +96,22 @@ def _edges(polygons: Array) -> tuple[Array, Array]:
     end = np.roll(polygons, -1, axis=1).reshape(-1, 2)
     kept = np.abs(end - begin).max(axis=1) > 1e-9
     return begin[kept], end[kept]
+
+
+def _leg_headings(scene: Scene, begin: Array, end: Array) -> tuple[float | None, float | None]:
+    """Return the headings along both legs: through a known door, else along walls."""
+    start, goal = scene.start[:2], scene.goal.pose[:2]
+    for door in scene.world.doors:
+        (x0, y0), (x1, y1) = (
+            rotate(-door.heading, p - np.array(door.center)) for p in (start, goal)
+        )
+        if x0 < 0.0 < x1 and abs(y0) > 0.5 * door.width and abs(y1) < 3.0 * door.width:
+            return door.heading - math.copysign(0.5 * math.pi, y0), door.heading
+        if x1 < 0.0 < x0 and abs(y1) > 0.5 * door.width and abs(y0) < 3.0 * door.width:
+            back = door.heading + math.pi
+            return back, door.heading + math.copysign(0.5 * math.pi, y1)
+    pair = [_leg_heading(pose, begin, end) for pose in (scene.start, scene.goal.pose)]
+    return pair[0], pair[1]
 
 
 def _leg_heading(pose: Array, begin: Array, end: Array) -> float | None:
