@@ -181,11 +181,14 @@ def drive_command(
 @click.option("--jobs", default=1, show_default=True, metavar="N", help="Processes.")
 @click.option("--resume", is_flag=True, help="Keep the cases done by an earlier run.")
 @click.option("--seed", default=0, show_default=True, metavar="N", help="Seed of all randomness.")
-def study_command(name: str | None, out: str | None, jobs: int, resume: bool, seed: int) -> Outcome:
+@click.option("--scenes", type=click.Path(), metavar="FILE", help="Scenes, for a study of scenes.")
+def study_command(
+    name: str | None, out: str | None, jobs: int, resume: bool, seed: int, scenes: str | None
+) -> Outcome:
     """Run an experiment again: its tables, figures and report. Without NAME: which there are."""
     from .commands.study import run_study
 
-    return run_study(name, out=out, jobs=jobs, resume=resume, seed=seed)
+    return run_study(name, out=out, jobs=jobs, resume=resume, seed=seed, scenes=scenes)
 
 
 @contextmanager

@@ -53,7 +53,7 @@ METHOD_ROOMS = LEVELS[3]
 
 OWNERS = {
     "matplotlib": {"viewer"},
-    "casadi": {"nlp", "quadratic", "planners", "tracking"},
+    "casadi": {"nlp", "quadratic", "planners", "tracking", "studies"},
     "click": {"cli"},
     "tqdm": {"cli", "studies"},
     "numba": {"planners", "perception", "simulation"},

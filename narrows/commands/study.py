@@ -9,7 +9,15 @@ from ..studies import run, summaries
 from .outcome import OK, Outcome, lines
 
 
-def run_study(name: str | None, *, out: str | None, jobs: int, resume: bool, seed: int) -> Outcome:
+def run_study(
+    name: str | None,
+    *,
+    out: str | None,
+    jobs: int,
+    resume: bool,
+    seed: int,
+    scenes: str | None = None,
+) -> Outcome:
     """Run a study into a folder; without a name, say which studies there are."""
     if name is None:
         rows = [(study, summary) for study, summary in summaries().items()]
@@ -17,5 +25,6 @@ def run_study(name: str | None, *, out: str | None, jobs: int, resume: bool, see
     if seed < 0:
         raise StudyError("the seed is negative", field="--seed", value=seed, allowed=">= 0")
     folder = Path(out) if out is not None else Path("out") / name
-    report = run(name, folder, jobs=jobs, resume=resume, seed=seed)
+    options = {} if scenes is None else {"scenes": scenes}
+    report = run(name, folder, jobs=jobs, resume=resume, seed=seed, **options)
     return Outcome(OK, {}, lines(report.text.rstrip(), f"\nwritten to {report.file}"))

@@ -1,0 +1,107 @@
+"""The planners that DoorBench compares, each as a function from a scene to what it claims."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+from ..interfaces import Plan
+from ..path import Path
+from ..planners.guess import forward_guesses
+from ..planners.ladder import plan
+from ..planners.search import SearchPlanner
+from ..scene import Scene
+from .obca import obca
+from .ompl_baseline import is_installed, ompl_path
+
+
+@dataclass(frozen=True, eq=False)
+class Claim:
+    """What a planner says about a scene.
+
+    Attributes:
+        path: The way it claims, or None if it claims none.
+        reason: In the planner's words.
+        statistics: Counts that do not depend on the machine.
+    """
+
+    path: Path | None
+    reason: str
+    statistics: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Contestant:
+    """A planner in the comparison.
+
+    Attributes:
+        label: One line about it.
+        claim: The planner.
+        reversing: Whether the chair may reverse in its scenes.
+        is_ours: Whether its claims must never be invalid.
+        is_repeatable: Whether it gives the same answer every time.
+    """
+
+    label: str
+    claim: Callable[[Scene], Claim]
+    reversing: bool = False
+    is_ours: bool = False
+    is_repeatable: bool = True
+
+
+def _ladder(scene: Scene) -> Claim:
+    return _claim(plan(scene))
+
+
+def _search(scene: Scene) -> Claim:
+    return _claim(SearchPlanner().plan(scene))
+
+
+def _claim(found: Plan) -> Claim:
+    counts = {k: v for k, v in found.statistics.items() if not k.endswith("_s")}
+    return Claim(found.path, f"{found.status.value}: {found.reason}", counts)
+
+
+def _obca(scene: Scene, *, recheck: bool) -> Claim:
+    """Run OBCA from the search's way, or from a curve through the door where there is none."""
+    found = SearchPlanner().search(scene).manoeuvre
+    guess = found.path if found is not None else forward_guesses(scene)[0][1]
+    result = obca(scene, guess, recheck=recheck)
+    counts = {"iterations": float(result.iterations), "solves": float(result.solves)}
+    return Claim(result.path, result.reason, counts)
+
+
+def _obca_once(scene: Scene) -> Claim:
+    return _obca(scene, recheck=False)
+
+
+def _obca_rechecked(scene: Scene) -> Claim:
+    return _obca(scene, recheck=True)
+
+
+def _ompl(scene: Scene) -> Claim:
+    path = ompl_path(scene)
+    return Claim(path, "an exact solution" if path is not None else "no exact solution in time")
+
+
+CONTESTANTS: Mapping[str, Contestant] = {
+    "narrows": Contestant("`narrows.plan`, forward only", _ladder, is_ours=True),
+    "narrows-reversing": Contestant(
+        "`narrows.plan`, may reverse", _ladder, reversing=True, is_ours=True
+    ),
+    "search": Contestant("our coarse search alone, forward only", _search, is_ours=True),
+    "search-reversing": Contestant(
+        "our coarse search alone, may reverse", _search, reversing=True, is_ours=True
+    ),
+    "obca": Contestant("OBCA from the search's way, solved once, taken at its word", _obca_once),
+    "obca-rechecked": Contestant(
+        "the same, certified, and solved again with more clearance where it cuts", _obca_rechecked
+    ),
+    "ompl-rrt": Contestant("OMPL's RRT on Dubins curves, simplified", _ompl, is_repeatable=False),
+}
+"""Planners by name; all but OMPL are there always."""
+
+
+def available() -> tuple[str, ...]:
+    """Return the names of the planners that can run here."""
+    return tuple(name for name in CONTESTANTS if name != "ompl-rrt" or is_installed())
