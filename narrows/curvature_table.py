@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from . import bezier
 from .bezier_section import BezierSection
@@ -31,16 +31,17 @@ class CurvatureTable:
         progress: Progress at the nodes, not decreasing, shape (M,), [m] or [rad].
         kappa: d heading / d progress at the nodes, shape (M,), [1/m].
         rate: d kappa / d progress at the nodes, shape (M,), [1/m^2].
-        kappa_error: Most the interpolated kappa is off between nodes [1/m].
-        rate_error: Most the interpolated rate is off between nodes [1/m^2].
+        kappa_error: Most the interpolated kappa is off from each node to the next, shape (M,),
+            [1/m].
+        rate_error: The same of the rate, shape (M,), [1/m^2].
         greatest: Greatest absolute curvature while travelling, turns on the spot left out [1/m].
     """
 
     progress: Array
     kappa: Array
     rate: Array
-    kappa_error: float
-    rate_error: float
+    kappa_error: Array
+    rate_error: Array
     greatest: float
 
     @classmethod
@@ -55,8 +56,8 @@ class CurvatureTable:
             np.concatenate([part.progress + begin for part, begin in parts]),
             np.concatenate([part.kappa for part, _ in parts]),
             np.concatenate([part.rate for part, _ in parts]),
-            max(part.kappa_error for part, _ in parts),
-            max(part.rate_error for part, _ in parts),
+            np.concatenate([part.kappa_error for part, _ in parts]),
+            np.concatenate([part.rate_error for part, _ in parts]),
             max(part.greatest for part, _ in parts),
         )
 
@@ -65,13 +66,27 @@ class CurvatureTable:
 
         Where kappa jumps, the value before the jump.
         """
+        cell, share = self._locate(progress)
+        return self._between(self.kappa, cell, share), self._between(self.rate, cell, share)
+
+    def with_errors(self, progress: ArrayLike) -> tuple[Array, Array, Array, Array]:
+        """Return kappa, its rate, and the most each is off, at progress (N,), each (N,)."""
+        cell, share = self._locate(progress)
+        kappa, rate = (self._between(values, cell, share) for values in (self.kappa, self.rate))
+        return kappa, rate, self.kappa_error[cell], self.rate_error[cell]
+
+    def _locate(self, progress: ArrayLike) -> tuple[NDArray[np.int64], Array]:
+        """Return the cell and the share of it that lies before progress, each shape (N,)."""
         s = np.asarray(progress, dtype=float)
         last = len(self.progress) - 2
         cell = np.clip(np.searchsorted(self.progress, s, side="left") - 1, 0, last)
-        start, width = self.progress[cell], self._widths[cell]
-        share = np.clip((s - start) / width, 0.0, 1.0)
-        kappa = self.kappa[cell] + share * (self.kappa[cell + 1] - self.kappa[cell])
-        return kappa, self.rate[cell] + share * (self.rate[cell + 1] - self.rate[cell])
+        share = (s - self.progress[cell]) / self._widths[cell]
+        return cell, np.clip(share, 0.0, 1.0)
+
+    @staticmethod
+    def _between(values: Array, cell: NDArray[np.int64], share: Array) -> Array:
+        start = values[cell]
+        return np.asarray(start + share * (values[cell + 1] - start))
 
     @property
     def _widths(self) -> Array:
@@ -105,7 +120,8 @@ def _twist_table(section: TwistSection) -> CurvatureTable:
     progress = np.column_stack([np.concatenate([[0.0], ends[:-1]]), ends]).ravel()
     greatest = 0.0 if section.direction == 0 else float(np.abs(kappa).max())
     both = np.repeat(kappa, 2)
-    return CurvatureTable(progress, both, np.zeros_like(both), 0.0, 0.0, greatest)
+    none = np.zeros_like(both)
+    return CurvatureTable(progress, both, none, none, none, greatest)
 
 
 def _bezier_table(section: BezierSection) -> CurvatureTable:
@@ -114,9 +130,11 @@ def _bezier_table(section: BezierSection) -> CurvatureTable:
     while True:
         parameter = np.linspace(0.0, 1.0, cells + 1)
         progress, kappa, rate = _bends(section, parameter)
-        errors = [_between(progress, values) for values in (kappa, rate)]
+        errors = [_interpolation_error(progress, values) for values in (kappa, rate)]
         greatest = [max(float(np.abs(values).max()), 0.01) for values in (kappa, rate)]
-        precise = all(e <= p * g for e, p, g in zip(errors, _PRECISION, greatest, strict=True))
+        precise = all(
+            e.max() <= p * g for e, p, g in zip(errors, _PRECISION, greatest, strict=True)
+        )
         if precise or cells >= _MOST_CELLS:
             break
         cells *= 2
@@ -127,8 +145,8 @@ def _bezier_table(section: BezierSection) -> CurvatureTable:
         progress.ravel(),
         kappa.ravel(),
         rate.ravel(),
-        errors[0],
-        errors[1],
+        errors[0].ravel(),
+        errors[1].ravel(),
         max(peak, float(np.abs(kappa).max())),
     )
 
@@ -144,14 +162,19 @@ def _bends(section: BezierSection, parameter: Array) -> tuple[Array, Array, Arra
     return progress, kappa, bezier.curvature_rate(control, parameter) / speed
 
 
-def _between(progress: Array, values: Array) -> float:
-    """Return the most that linear interpolation between nodes (K, U), U odd, can be off.
+def _interpolation_error(progress: Array, values: Array) -> Array:
+    """Return the most that linear interpolation is off from each node to the next, (K, U).
 
-    Every other node is compared with the line between its neighbours. With all nodes the error
-    is a quarter of that (it falls with the square of the width); a half is on the safe side.
+    Every other of the U nodes, U odd, is compared with the line between its neighbours. With all
+    nodes the error is a quarter of that (it falls with the square of the width); a half is on
+    the safe side, and the greatest of three pairs of cells, where the error changes its sign.
     """
     left, right = values[:, :-2:2], values[:, 2::2]
     width = progress[:, 2::2] - progress[:, :-2:2]
     share = (progress[:, 1::2] - progress[:, :-2:2]) / width
-    line = left + share * (right - left)
-    return float(0.5 * np.abs(values[:, 1::2] - line).max())
+    pair = 0.5 * np.abs(values[:, 1::2] - (left + share * (right - left)))
+    near = pair.copy()
+    near[:, 1:] = np.maximum(near[:, 1:], pair[:, :-1])
+    near[:, :-1] = np.maximum(near[:, :-1], pair[:, 1:])
+    cells = np.repeat(near, 2, axis=1)
+    return np.concatenate([cells, cells[:, -1:]], axis=1)

@@ -19,6 +19,7 @@ SLIP = float(np.deg2rad(1.0))
 PERIOD = 0.02
 """Time over which what jumps is judged [s]: a control period, the longest time between rows."""
 
+_PART = 100_000  # samples judged at a time, to bound the memory
 _RELATIVE = 1e-3  # an excess a thousandth of the limit is rounding and solver tolerance
 
 
@@ -103,10 +104,23 @@ def _peak(values: Array) -> float:
 
 
 def _peaks(trajectory: Trajectory, vehicle: Vehicle) -> dict[str, float]:
-    """Return the peaks of a smooth trajectory, [v, omega] and their derivatives by formula."""
-    path, table = trajectory.path, trajectory.path.curvature_table
-    s, rate, bend = _sampled(trajectory)
-    kappa, kappa_rate = table(s)
+    """Return the peaks of a smooth trajectory, sampled at 1 kHz, a part at a time."""
+    count = max(int(np.ceil(trajectory.duration * RATE)), 1)
+    step = trajectory.duration / count
+    overlap = round(PERIOD * RATE)
+    peaks = {"jerk": _piece_jerk(trajectory, 0.5 * vehicle.track)}
+    for first in range(0, count, _PART):
+        time = np.arange(first, min(first + _PART + overlap, count) + 1.0) * step
+        for name, value in _part_peaks(trajectory, vehicle, time).items():
+            peaks[name] = max(peaks.get(name, 0.0), value)
+    return peaks
+
+
+def _part_peaks(trajectory: Trajectory, vehicle: Vehicle, time: Array) -> dict[str, float]:
+    """Return the peaks at evenly spaced times, [v, omega] and their derivatives by formula."""
+    path = trajectory.path
+    s, rate, bend = _sampled(trajectory, time)
+    kappa, kappa_rate, kappa_off, rate_off = path.curvature_table.with_errors(s)
     direction = path.directions[path.section_index(s)]
     omega = kappa * rate
     yaw_acceleration = kappa_rate * rate**2 + kappa * bend
@@ -115,27 +129,26 @@ def _peaks(trajectory: Trajectory, vehicle: Vehicle) -> dict[str, float]:
     spot = direction == 0
     # what the limits of acceleration and jerk are about: the body origin, on the spot a rim
     pull = np.where(spot, half * yaw_acceleration, acceleration)
-    period = PERIOD * RATE * trajectory.duration / (len(s) - 1)
-    top, steepest, off = _peak(rate), _peak(bend), table.kappa_error
-    yaw_off = off * steepest + table.rate_error * top**2
+    omega_off = kappa_off * np.abs(rate)
+    yaw_off = rate_off * rate**2 + kappa_off * np.abs(bend)
+    turning = np.abs(omega) + omega_off
+    step = float(time[1] - time[0])
     return {
         "speed": _peak(v[direction > 0]),
         "reverse_speed": _peak(v[direction < 0]),
-        "acceleration": max(_peak(pull), _in_period(np.where(spot, half * omega, v), period)),
-        "jerk": max(_piece_jerk(trajectory, half), _in_period(pull, period)),
-        "yaw_rate": _peak(omega) + off * top,
-        "yaw_acceleration": max(_peak(yaw_acceleration) + yaw_off, _in_period(omega, period)),
-        "lateral_acceleration": _peak(v * omega) + off * top**2,
-        "wheel_speed": _peak(np.abs(v) + half * np.abs(omega)) + half * off * top,
+        "acceleration": max(_peak(pull), _in_period(np.where(spot, half * omega, v), step)),
+        "jerk": _in_period(pull, step),
+        "yaw_rate": _peak(turning),
+        "yaw_acceleration": max(_peak(np.abs(yaw_acceleration) + yaw_off), _in_period(omega, step)),
+        "lateral_acceleration": _peak(v * turning),
+        "wheel_speed": _peak(np.abs(v) + half * turning),
         "wheel_acceleration": _peak(np.abs(acceleration) + half * np.abs(yaw_acceleration)),
     }
 
 
-def _sampled(trajectory: Trajectory) -> tuple[Array, Array, Array]:
-    """Return progress and its first two derivatives at 1 kHz, each shape (N,)."""
+def _sampled(trajectory: Trajectory, time: Array) -> tuple[Array, Array, Array]:
+    """Return progress and its first two derivatives at increasing times, each shape (N,)."""
     profile = trajectory.profile
-    count = int(np.ceil(trajectory.duration * RATE)) + 1
-    time = np.linspace(0.0, trajectory.duration, max(count, 2))
     piece = np.searchsorted(profile.breaks[1:-1], time, side="right")
     tau = time - profile.breaks[piece]
     c0, c1, c2, c3 = profile.coefficients[piece].T
@@ -157,13 +170,13 @@ def _piece_jerk(trajectory: Trajectory, half_track: float) -> float:
     )
 
 
-def _in_period(values: Array, period: float) -> float:
-    """Return the greatest change of samples within a control period [s], per second.
+def _in_period(values: Array, step: float) -> float:
+    """Return the greatest change of samples a step [s] apart in a control period, per second.
 
     The mean of the derivative over a period: where there is one, never above its peak.
     """
-    step = round(PERIOD * RATE)
-    return _peak(values[step:] - values[:-step]) / period
+    count = min(round(PERIOD * RATE), len(values) - 1)
+    return _peak(values[count:] - values[:-count]) / (count * step)
 
 
 def _row_peaks(trajectory: Trajectory, vehicle: Vehicle) -> dict[str, float]:

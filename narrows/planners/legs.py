@@ -81,10 +81,10 @@ class Leg:
         if self.table is None:
             return Excess(over, np.zeros_like(over), np.zeros_like(over))
         limits = self.vehicle.limits
-        kappa, rate = self.table(self.begin + progress)
+        kappa, rate, kappa_off, rate_off = self.table.with_errors(self.begin + progress)
         over = np.maximum(over, speed / bend_cap(np.abs(kappa), self.vehicle, self.top))
         allowed = MARGIN * limits.yaw_acceleration
-        off = self.table.kappa_error * limits.acceleration + self.table.rate_error * speed**2
+        off = kappa_off * np.abs(acceleration) + rate_off * speed**2
         bending = rate * speed**2
         yaw = np.abs(bending + kappa * acceleration) + off
         return Excess(over, yaw / allowed, np.abs(bending) / allowed)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from narrows.profile import Profile
 from narrows.se2 import Array
@@ -13,10 +14,9 @@ from .legs import MARGIN, Excess, Leg
 _ROUNDS = 16
 _SLACK = 1.0015  # of limits already reduced by MARGIN: within the true ones
 _BENDING_SHARE = 0.9  # of the yaw acceleration that bending may take before speed is taken back
-_BINS = 20  # time bins in an averaging window
 
 
-def varied_motion(leg: Leg) -> Profile:
+def varied_motion(leg: Leg, strongest: float) -> Profile:
     """Return jerk-limited progress whose speed follows the cap of each place.
 
     The fastest acceleration-limited motion under the cap is averaged over a window
@@ -25,11 +25,11 @@ def varied_motion(leg: Leg) -> Profile:
     that is so, and only there, cap or acceleration are lowered by what is in excess, and the
     motion is made again. What is left after a few rounds is for the caller to measure.
 
-    More acceleration than sqrt(jerk x speed) is not used: reaching and leaving it would take
-    longer than it saves.
+    Args:
+        leg: The leg.
+        strongest: Greatest acceleration to use, at most the leg's own.
     """
     jerk = MARGIN * leg.jerk
-    strongest = min(MARGIN * leg.acceleration, float((jerk * leg.cap.max()) ** 0.5))
     window = strongest / jerk
     cap, pull = leg.cap.copy(), np.full(len(leg.cap) - 1, strongest)
     motion = Accelerated.fastest(leg.progress, cap, pull)
@@ -56,7 +56,9 @@ def _too_strong(excess: Excess, swing: Array) -> Array:
     bending = np.minimum(excess.bending, _BENDING_SHARE)
     wanted = (1.0 - bending) / np.maximum(excess.yaw - bending, 1e-9)
     factor = np.where(excess.yaw > 1.0, np.minimum(wanted, 1.0), 1.0)
-    factor[:-1] = np.minimum(factor[:-1], 1.0 / np.maximum(swing, 1.0))
+    gentle = 1.0 / np.maximum(swing, 1.0)
+    factor[:-1] = np.minimum(factor[:-1], gentle)
+    factor[1:] = np.minimum(factor[1:], gentle)
     return np.maximum(factor, 0.2)
 
 
@@ -74,14 +76,22 @@ def _eased(motion: Accelerated, average: Averaged, factor: Array, window: float)
 
     What is driven at t enters the averages from t to t + window.
     """
-    width = window / _BINS
-    bins = int(motion.duration / width) + _BINS + 3
-    least = np.ones(bins)
-    np.minimum.at(least, (average.times / width).astype(np.int64), factor)
-    reach = 1
-    while reach < _BINS + 2:
-        step = min(reach, _BINS + 2 - reach)
-        least[:-step] = np.minimum(least[:-step], least[step:])
-        reach += step
-    middle = 0.5 * (motion.times[1:] + motion.times[:-1])
-    return least[(middle / width).astype(np.int64)]
+    first = np.searchsorted(average.times, motion.times[:-1], side="left")
+    end = np.searchsorted(average.times, motion.times[1:] + window, side="right")
+    return least_in_ranges(factor, first, end)
+
+
+def least_in_ranges(values: Array, first: NDArray[np.int64], end: NDArray[np.int64]) -> Array:
+    """Return the least of values[first:end] for each of N ranges, none empty, shape (N,).
+
+    From the least of all runs of 1, 2, 4, ... values: two such runs cover a range.
+    """
+    runs = [values]
+    while 2 ** len(runs) <= len(values):
+        half = 2 ** (len(runs) - 1)
+        least = runs[-1].copy()
+        least[:-half] = np.minimum(least[:-half], runs[-1][half:])
+        runs.append(least)
+    level = np.frexp(end - first)[1] - 1  # the greatest power of two within
+    table = np.stack(runs)
+    return np.asarray(np.minimum(table[level, first], table[level, end - 2**level]))

@@ -17,6 +17,10 @@ from .legs import MARGIN, Leg, legs_of
 from .local_slowing import varied_motion
 from .single_motion import single_motion
 
+LONGEST = 3600.0
+"""Longest time a stretch between two stops may take [s]."""
+
+_PLENTY = 0.7  # share of the useful acceleration up to which the limit is simply used
 _SAMPLES = 400  # of a leg's motion, to see what it takes of the limits
 _TRIES = 8  # of stretching the whole by what the check finds in excess
 _ORDERS = {
@@ -93,16 +97,38 @@ def leg_motion(leg: Leg) -> Profile:
     """Return progress along a leg from rest to rest.
 
     The fastest single motion at the leg's greatest cap is taken if it keeps the limits: then
-    nothing is faster. Else the faster of a single motion at the least cap and one whose speed
-    varies, each stretched in time by what it still is in excess.
+    nothing is faster. Else the fastest of a single motion at the least cap and of some whose
+    speed varies, each stretched in time by what it still is in excess.
+
+    Raises:
+        ShapeError: If the leg bends so sharply that driving it takes longer than `LONGEST`.
     """
     single, factor = _kept(leg, float(leg.cap.max()))
     if factor <= 1.0:
         return single
-    slow, factor = _kept(leg, float(leg.cap.min()))
-    varied = varied_motion(leg)
-    found = [stretched(slow, factor), stretched(varied, stretch_needed(leg, varied))]
-    return min(found, key=lambda profile: profile.duration)
+    slowest = leg.span / leg.cap.min()
+    found = [stretched(*_kept(leg, float(leg.cap.min())))] if slowest < LONGEST else []
+    for strongest in _accelerations(leg, single):
+        varied = varied_motion(leg, strongest)
+        found.append(stretched(varied, stretch_needed(leg, varied)))
+    best = min(found, key=lambda profile: profile.duration)
+    if best.duration > LONGEST:
+        raise ShapeError(f"a stretch of {leg.span:.2g} m bends too sharply: {best.duration:.0f} s")
+    return best
+
+
+def _accelerations(leg: Leg, single: Profile) -> list[float]:
+    """Return the accelerations to try on a leg.
+
+    To reach speed v, more than sqrt(jerk x v) is of no use: reaching and leaving it takes longer
+    than it saves. Where that is near, less may be better still.
+    """
+    fastest = float(single(single.breaks, 1).max())
+    useful = float((MARGIN * leg.jerk * fastest) ** 0.5)
+    strongest = MARGIN * leg.acceleration
+    if strongest <= _PLENTY * useful:
+        return [strongest]
+    return [min(strongest, useful), _PLENTY * useful, _PLENTY**2 * useful]
 
 
 def _kept(leg: Leg, speed: float) -> tuple[Profile, float]:
