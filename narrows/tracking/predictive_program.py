@@ -39,14 +39,14 @@ class PredictiveWeights:
     """
 
     along: float = 0.03
-    across: float = 0.01
+    across: float = 0.02
     heading: float = 0.05
     speed: float = 0.2
     yaw_rate: float = 0.5
     acceleration: float = 1.0
     yaw_acceleration: float = 4.0
     terminal: float = 5.0
-    missing: float = 0.003
+    missing: float = 0.006
 
     def __post_init__(self) -> None:
         """Check that all are positive."""
