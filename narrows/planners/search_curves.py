@@ -32,7 +32,7 @@ def arc_line_arc(
     """Write the drive arc, line, arc between two poses; return its length or infinity.
 
     The arcs' circles have the given radius and lie on the sides that `word` says; the line
-    touches both. [Dubins' CSC words; in reverse, those of the chair facing backwards.]
+    touches both: Dubins' CSC words; in reverse, those of the chair facing backwards.
 
     Args:
         x: Position at the start [m].
