@@ -126,6 +126,15 @@ def test_clearance_through_a_door_is_what_the_certificate_finds(seed):
             checked += 1
 
 
+def test_a_long_rear_beside_the_far_jamb_is_seen():
+    """Once straight again the side passes the jamb, though the front corner cleared it."""
+    body, door = ArcBody(0.2534, 0.5904, 0.6052), DoorTurn(0.8181, 0.9721)
+    values = (np.array(value) for value in (0.7684, 0.4325, 0.0699))
+    arc = TurnArc(0.7684, 0.4325, 0.0699, RIGHT, float(door_clearance(body, door, *values)))
+    assert arc.clearance == pytest.approx(0.9721 + 0.0699 - 0.7684 - 0.3026)
+    assert door_certificate(body, door, arc).attained == pytest.approx(arc.clearance, abs=3e-4)
+
+
 def test_the_papers_turn_is_the_case_of_equal_widths_and_overhangs():
     corner = Corner(1.3, 1.3)
     low, high = radius_interval(BOTH_WAYS, corner, least_radius=0.335)

@@ -102,6 +102,14 @@ def test_exact_readings_give_the_pose_before_the_corner(turn, heading_deg):
     assert reading.heading == pytest.approx(pose[2], abs=1e-6)
 
 
+def test_a_front_sensor_that_sees_the_inner_corner_first_is_left_out():
+    ring, pose = sensor_ring(CHAIR), np.array([-1.6, 0.915, 0.0])
+    ranges = measure_ranges(Corridor(1.3).world(), pose, ring)
+    assert ranges[:4].min() < 0.7 < 1.89 < ranges[:4].max()
+    reading = read_corner(CHAIR, ring, ranges, width_after=1.3)
+    assert reading.axle_gap == pytest.approx(1.6, abs=1e-6)
+
+
 def test_noise_of_5_mm_leaves_centimetres_at_most():
     corridor, ring, rng = Corridor(1.3), sensor_ring(CHAIR), np.random.default_rng(2)
     errors = []
