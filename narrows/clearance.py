@@ -37,7 +37,8 @@ TOLERANCE = 1e-3
 _FINEST = 1e-5  # m: contact and clearance below this are not told apart
 _BOUNDS_SLACK = 1e-4  # m: the bounds are a box drawn by a person, not a wall
 _PARTS = 4  # parts an undecided interval is cut into
-_BLOCK = 2_000_000  # pairs of interval and piece looked at together: 64 MB
+_BLOCK = 50_000  # pairs of interval and piece looked at together: a few MB
+_STRETCH = 16  # but at least so many intervals, 0.8 m: each stretch costs a look at all pieces
 _ROUNDS = 14  # 0.05 m / 4^14 is below rounding
 
 
@@ -192,22 +193,31 @@ class _Search:
     def _near(
         self, body: Array, pieces: ConvexPieces, intervals: Intervals, enclosure: Enclosure
     ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Return the pairs of interval and piece that their boxes do not rule out."""
+        """Return the pairs of interval and piece that their boxes do not rule out.
+
+        Stretch by stretch: what is further from the whole stretch than the least distance seen so
+        far is left out at once, which is most of a large map.
+        """
         reach = np.linalg.norm(enclosure.hull - enclosure.middle[:, None, :2], axis=2).max(axis=1)
         reach += float(np.linalg.norm(body, axis=1).max())
-        every = np.arange(len(reach))
-        blocks = np.array_split(every, 1 + len(every) * len(pieces) // _BLOCK)
-
-        def bound(rows: NDArray[np.int64]) -> Array:
-            box = _box_distance(enclosure.middle[rows, :2], pieces)
-            return np.asarray(box - reach[rows, None])
-
-        nearest = np.concatenate([bound(rows).argmin(axis=1) for rows in blocks])
-        self._examine(body, pieces, intervals, enclosure, every, nearest)
-        near = [np.nonzero(bound(rows) < self.least) for rows in blocks]
-        row = np.concatenate([rows[k] for rows, (k, _) in zip(blocks, near, strict=True)])
-        piece = np.concatenate([piece for _, piece in near])
-        return row, piece
+        none = np.zeros(0, dtype=np.int64)
+        found = [(none, none, np.zeros(0))]
+        length = max(_STRETCH, _BLOCK // len(pieces))
+        for begin in range(0, len(reach), length):
+            every = np.arange(begin, min(begin + length, len(reach)))
+            middle = enclosure.middle[every, :2]
+            limit = self.least + float(reach[every].max())
+            close = pieces.near(middle.min(axis=0), middle.max(axis=0), limit)
+            if not len(close):
+                continue
+            box = _box_distance(middle, pieces.low[close], pieces.high[close])
+            bound = box - reach[every, None]
+            self._examine(body, pieces, intervals, enclosure, every, close[bound.argmin(axis=1)])
+            row, piece = np.nonzero(bound < self.least)
+            found.append((every[row], close[piece], bound[row, piece]))
+        row, piece, bound = (np.concatenate(part) for part in zip(*found, strict=True))
+        near = bound < self.least
+        return row[near], piece[near]
 
     def _examine(
         self,
@@ -235,11 +245,16 @@ class _Search:
         return np.asarray(support - support_bound(body, enclosure, row, axis))
 
 
-def _box_distance(points: Array, pieces: ConvexPieces) -> Array:
-    """Return the distance from points (N, 2) to the boxes of pieces, shape (N, P), [m]."""
-    offset = np.maximum(pieces.low - points[:, None], points[:, None] - pieces.high)
+def _box_distance(points: Array, low: Array, high: Array) -> Array:
+    """Return the distance from points (N, 2) to boxes (P, 2), shape (N, P), [m].
+
+    Inside a box it is minus the way to its nearest side: a body deep in a solid can be deeper
+    than its own radius.
+    """
+    offset = np.maximum(low - points[:, None], points[:, None] - high)
     outside = np.maximum(offset, 0.0)
-    return np.asarray(np.hypot(outside[..., 0], outside[..., 1]))
+    inside = np.minimum(offset.max(axis=2), 0.0)
+    return np.asarray(np.hypot(outside[..., 0], outside[..., 1]) + inside)
 
 
 def _inside_bounds(
@@ -292,7 +307,6 @@ def clearance_at(world: World, vehicle: Vehicle, poses: ArrayLike) -> tuple[Arra
             continue
         body = transform(rows, layer.polygon)
         radius = float(np.linalg.norm(layer.polygon, axis=1).max())
-        bound = _box_distance(rows[:, :2], pieces) - radius
 
         def measure(row: NDArray[np.int64], piece: NDArray[np.int64]) -> None:
             distance = separation(body[row], pieces.corners[piece]).distance - pieces.radius[piece]  # noqa: B023
@@ -301,7 +315,16 @@ def clearance_at(world: World, vehicle: Vehicle, poses: ArrayLike) -> tuple[Arra
             least[row[better]] = distance[better]
             nearest[row[better]] = pieces.owner[piece[better]]  # noqa: B023
 
-        measure(np.arange(len(rows)), bound.argmin(axis=1))
-        measure(*np.nonzero(bound < least[:, None]))
+        length = max(_STRETCH, _BLOCK // len(pieces))
+        for begin in range(0, len(rows), length):
+            every = np.arange(begin, min(begin + length, len(rows)))
+            points = rows[every, :2]
+            first = _box_distance(points[:1], pieces.low, pieces.high).argmin()
+            measure(every, np.full(len(every), first))
+            limit = float(least[every].max()) + radius
+            close = pieces.near(points.min(axis=0), points.max(axis=0), limit)
+            bound = _box_distance(points, pieces.low[close], pieces.high[close]) - radius
+            row, piece = np.nonzero(bound < least[every, None])
+            measure(every[row], close[piece])
     names = tuple(world.solids[i].name if i >= 0 else "" for i in nearest)
     return least, names
