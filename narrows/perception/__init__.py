@@ -1,0 +1,1 @@
+"""Perception: from what sensors return to what stands, what is free and what is not known."""
