@@ -63,9 +63,9 @@ class ArcPlanner:
 def arc_guess(scene: Scene) -> Path | None:
     """Return a path line - arc - line for a scene, not certified, or None.
 
-    For those who refine a path. It takes 0.7 ms in a corridor, up to 4 ms at a door, and is clear of the walls and the
-    corner by the margin wherever an arc from start to goal is; what else stands there it does
-    not look at.
+    For those who refine a path. It takes 0.7 ms in a corridor, up to 4 ms at a door, and is clear
+    of the walls and the corner by the margin wherever an arc from start to goal is; what else
+    stands there it does not look at.
     """
     task = ArcTask.of(scene)
     if isinstance(task, str):
