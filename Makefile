@@ -22,6 +22,7 @@ setup-dev: .venv/.dev-stamp
 .venv/.user-stamp: requirements/user.lock pyproject.toml | .venv/bin/python
 	$(BIN)/python -m pip install --quiet --require-hashes -r requirements/user.lock
 	$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation --editable .
+	$(BIN)/narrows plan examples/scenes/door.yaml --planner search --json > /dev/null || true # compiles the search, once
 	@touch $@
 
 .venv/.dev-stamp: requirements/dev.lock .venv/.user-stamp

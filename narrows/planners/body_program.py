@@ -57,7 +57,7 @@ class Weights:
     evenness: float = 2e-2
     goal: float = 0.02
     price: float = 2000.0
-    bend_price: float = 100.0
+    bend_price: float = 5000.0
 
     @property
     def values(self) -> list[float]:

@@ -38,10 +38,12 @@ from .clearance_rows import Rows, rows_along
 
 _BEHIND = 1e-3  # m: shortest leg; keeps the heading at a node defined
 _EDGE = 0.98  # share of the goal's tolerance that is used
-_CURVATURE_SHARE = 0.98  # share of the curvature limit asked for at samples
+_CURVATURE_SHARE = 0.99  # share of the curvature limit asked for at samples
 _CLEAR = 0.01  # m: a body thinner than the chair stays this clear, its contacts turn slowly
 _SMALLEST = 1e-5  # m, rad: trust radius at which a search for a better step ends
 _SLACK_CURVATURE = 10.0  # cost / m^2: 2e-3 at a slack of 20 mm
+_DEARER = 10.0  # how much the price of clearance is raised where the margin is not kept
+_WITHIN_REACH = 0.01  # m: beyond contact by more than this, it is not raised
 _FAR_BEND = 1.0  # 1/m: curvature this far below the limit is not watched in a step
 _SAMPLES = 97  # along a section while it moves; twice as many must agree in the end
 _UNSEEN = 1e-4  # m: clearance that more samples may take away without another step
@@ -144,20 +146,48 @@ class Refinement:
         self.program = _program(self.layout)
         self.spline = self.program.spline
         self.evaluations = 0
+        self.tried = 0
+        self.weights = self.options.weights
         self.samples = _SAMPLES
         self.thinnest = 0.8 * min(_inradius(layer.polygon) for layer in scene.vehicle.layers)
         self._thinner: dict[float, Vehicle] = {}
         self.limit = _CURVATURE_SHARE * min(scene.vehicle.limits.curvature, 1e3)
 
     def run(self, guess: Manoeuvre) -> Refined:
-        """Return the smooth manoeuvre reached from a guess."""
-        options = self.options
+        """Return the smooth manoeuvre reached from a guess.
+
+        Where that lacks some of the margin, the price of clearance is raised and the descent goes
+        on: a high price from the start makes the way there long.
+        """
         state = self._evaluate(self._pack(guess), 0.0)
         if state.least < _CLEAR:
             state = self._evaluate(state.x, min(_CLEAR - state.least, self.thinnest))
-        radius, tried = options.radius, 0
-        while tried < options.iterations:
-            tried += 1
+        state = self._descended(state)
+        if _UNSEEN < state.x[-2] < self.scene.margin + _WITHIN_REACH:
+            dearer = _DEARER * self.weights.price
+            self.weights = replace(self.weights, price=dearer)
+            state = self._descended(self._evaluate(state.x, 0.0))
+        for _ in range(2):
+            beyond = self._path(state.x).max_curvature - self.scene.vehicle.limits.curvature
+            if beyond <= 0.0:
+                break
+            self.limit -= 1.5 * beyond  # what lies between the samples of the curvature
+            state = self._descended(self._evaluate(state.x, 0.0))
+        return Refined(
+            self._path(state.x),
+            state.cost,
+            float(state.x[-2]),
+            float(state.x[-1]),
+            self.tried,
+            self.evaluations,
+        )
+
+    def _descended(self, state: _State) -> _State:
+        """Return where the trust-region method ends, seen with the chair's own body."""
+        options = self.options
+        radius, last = options.radius, self.tried + options.iterations
+        while self.tried < last:
+            self.tried += 1
             found = self._step(state, radius)
             step, promised = found if found is not None else (None, np.inf)
             if step is None and radius > _SMALLEST:
@@ -179,16 +209,7 @@ class Refinement:
                 thinner = self._grown_back(state)
                 if thinner < 0.6 * state.thinner - 0.1 * _CLEAR:
                     state = self._evaluate(state.x, thinner)
-        if state.thinner > 0.0:
-            state = self._evaluate(state.x, 0.0)
-        return Refined(
-            self._path(state.x),
-            state.cost,
-            float(state.x[-2]),
-            float(state.x[-1]),
-            tried,
-            self.evaluations,
-        )
+        return state if state.thinner == 0.0 else self._evaluate(state.x, 0.0)
 
     def _enough(self, state: _State) -> float:
         """Return the promise below which a step is not worth trying; more on the way there."""
@@ -296,7 +317,7 @@ class Refinement:
                 scene.goal.pose,
                 [scene.goal.position_tolerance],
                 self.directions,
-                self.options.weights.values,
+                self.weights.values,
                 *blocks,
             ]
         )
@@ -307,7 +328,7 @@ class Refinement:
         slack = max(0.0, float(-watched.min(initial=0.0)))
         excess = max(0.0, float(bends.max()) - self.limit)
         x[-2:] = slack, excess
-        weights = self.options.weights
+        weights = self.weights
         total = cost + weights.price * slack + weights.bend_price * excess
         g[2 : 2 + len(bends)] -= excess
         g[2 + len(bends) :] += slack
