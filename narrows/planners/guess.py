@@ -63,7 +63,11 @@ def doors_between(scene: Scene) -> list[tuple[Door, float]]:
 
 
 def forward_guesses(scene: Scene) -> list[tuple[str, Path]]:
-    """Return forward curves worth trying before any search: through doors, else straight on."""
+    """Return forward curves worth trying before any search.
+
+    Through known doors; where there are none, one arc round a corner (`arc_guess`), and straight
+    on.
+    """
     guesses = [
         (
             "through the door",
@@ -71,7 +75,14 @@ def forward_guesses(scene: Scene) -> list[tuple[str, Path]]:
         )
         for door, heading in doors_between(scene)[:2]
     ]
-    return guesses or [("straight on", curve_through([scene.start, scene.goal.pose]))]
+    if guesses:
+        return guesses
+    from .arcs import arc_guess
+
+    arc = arc_guess(scene)
+    if arc is not None:
+        guesses.append(("one arc", arc))
+    return [*guesses, ("straight on", curve_through([scene.start, scene.goal.pose]))]
 
 
 def fitted(path: Path, scene: Scene, segments: int) -> Manoeuvre:

@@ -40,7 +40,14 @@ def _search() -> Planner:
     return SearchPlanner()
 
 
+def _arc() -> Planner:
+    from .arcs import ArcPlanner
+
+    return ArcPlanner()
+
+
 RUNGS: dict[str, Callable[[], Planner]] = {
+    "arc": _arc,
     "doorway": _doorway,
     "manoeuvre": _manoeuvre,
     "search": _search,
