@@ -1,0 +1,106 @@
+"""The ladder: which rung answers, what it says, and that a name is a rung."""
+
+import pytest
+
+from narrows.errors import InputError
+from narrows.interfaces import PlanStatus
+from narrows.planners.ladder import RUNGS, plan
+from narrows.scene import Goal, Scene
+from narrows.studies.doorbench_generator import doorbench_rows
+from narrows.studies.doorbench_scenes import doorbench_scene
+from narrows.vehicle import Limits, Vehicle
+from narrows.world import Solid, World
+
+DOORS = {row["id"]: row for row in doorbench_rows(per_level=2, seed=8)}
+CHAIR = Vehicle.rectangle(1.0, 0.6, 0.25, limits=Limits(curvature=2.5, reverse_speed=0.0))
+
+
+def test_an_unknown_planner_is_named_with_the_nearest_and_the_choices():
+    scene = doorbench_scene(DOORS["c30_00"])
+    with pytest.raises(InputError, match="did you mean 'manoeuvre'") as caught:
+        plan(scene, planner="manouevre")
+    assert caught.value.field == "planner"
+    assert all(name in str(caught.value) for name in ("auto", *RUNGS))
+
+
+def test_the_open_plain_is_crossed_straight():
+    found = plan(Scene(CHAIR, World(), [0, 0, 0], Goal([3, 0, 0])))
+    assert found.status is PlanStatus.CERTIFIED
+    # the goal's tolerance may be used: 5 cm at most
+    assert found.path.length == pytest.approx(3.0, abs=0.051)
+    assert found.path.max_curvature < 1e-3
+    assert found.reason == "there is nothing to touch"
+
+
+def test_a_wide_door_is_settled_by_the_first_curve():
+    found = plan(doorbench_scene(DOORS["c30_00"]))
+    assert found.status is PlanStatus.CERTIFIED
+    assert found.planner == "manoeuvre"
+    assert found.statistics["starts"] == 1.0
+    assert found.certificate.clearance >= 0.02 - 2e-4  # the margin, but for the proof's tolerance
+    assert "margin" not in found.reason
+
+
+@pytest.mark.slow
+def test_a_margin_that_cannot_be_had_is_said_to_be_missing():
+    found = plan(doorbench_scene(DOORS["c05_00"]))
+    assert found.status is PlanStatus.CERTIFIED, found.reason
+    assert 0.0 < found.certificate.clearance < 0.02
+    assert "the margin of 20 mm asked for is not kept" in found.reason
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", RUNGS)
+def test_a_rung_asked_for_by_name_is_the_one_that_answers(name):
+    found = plan(doorbench_scene(DOORS["c30_00"]), planner=name)
+    assert found.planner == name
+    if found.status is PlanStatus.CERTIFIED:
+        assert found.certificate.is_clear
+
+
+def walled_in():
+    """Return a scene whose goal is behind a wall without a door."""
+    wall = Solid.polygon([[1.5, -2], [1.6, -2], [1.6, 2], [1.5, 2]], name="wall")
+    return Scene(CHAIR, World((wall,), (-1, -2, 4, 2)), [0, 0, 0], Goal([3, 0, 0]))
+
+
+def test_a_goal_behind_a_wall_is_proven_to_be_out_of_reach():
+    found = plan(walled_in())
+    assert found.status is PlanStatus.IMPASSABLE
+    assert found.planner == "passage"
+    assert found.path is None
+    assert found.statistics["solve_time_s"] > 0.0
+
+
+def forward_only_dead_end():
+    """Return a scene that only a chair that reverses can solve: turn round in a corridor."""
+    walls = (
+        Solid.polygon([[-3, 0.55], [3, 0.55], [3, 0.65], [-3, 0.65]], name="left"),
+        Solid.polygon([[-3, -0.65], [3, -0.65], [3, -0.55], [-3, -0.55]], name="right"),
+    )
+    return Scene(CHAIR, World(walls, (-3, -0.65, 3, 0.65)), [1, 0, 0], Goal([-1, 0, 0]))
+
+
+@pytest.mark.slow
+def test_not_found_says_what_was_tried_and_what_a_chair_that_reverses_could():
+    found = plan(forward_only_dead_end())
+    assert found.status is PlanStatus.NOT_FOUND
+    assert found.path is None
+    assert "tried" in found.reason
+    assert "reverse" in found.reason
+
+
+@pytest.mark.slow
+def test_a_chair_that_reverses_backs_out_of_the_dead_end():
+    scene = forward_only_dead_end()
+    able = Vehicle.rectangle(1.0, 0.6, 0.25, limits=Limits(curvature=2.5))
+    found = plan(Scene(able, scene.world, scene.start, scene.goal))
+    assert found.status is PlanStatus.CERTIFIED, found.reason
+    assert (found.path.directions == -1).any()
+
+
+@pytest.mark.slow
+def test_no_time_still_tries_the_first_curve():
+    found = plan(doorbench_scene(DOORS["c30_00"]), time_budget=0.0)
+    assert found.status is PlanStatus.CERTIFIED
+    assert found.statistics["starts"] == 1.0
