@@ -323,7 +323,10 @@ def clearance_at(world: World, vehicle: Vehicle, poses: ArrayLike) -> tuple[Arra
             measure(every, np.full(len(every), first))
             limit = float(least[every].max()) + radius
             close = pieces.near(points.min(axis=0), points.max(axis=0), limit)
+            if not len(close):
+                continue
             bound = _box_distance(points, pieces.low[close], pieces.high[close]) - radius
+            measure(every, close[bound.argmin(axis=1)])
             row, piece = np.nonzero(bound < least[every, None])
             measure(every[row], close[piece])
     names = tuple(world.solids[i].name if i >= 0 else "" for i in nearest)

@@ -170,6 +170,22 @@ class ConvexPieces:
         """Return the number of pieces."""
         return len(self.corners)
 
+    def near(self, low: ArrayLike, high: ArrayLike, reach: float) -> NDArray[np.int64]:
+        """Return the indices of all pieces within reach of a box, and few others, shape (M,).
+
+        A piece that is left out is further than `reach` from every point of the box; for a
+        negative reach, it holds no point of the box deeper than that.
+
+        Args:
+            low: Lower corner of the box, shape (2,), [m].
+            high: Upper corner of the box, shape (2,), [m].
+            reach: Distance [m].
+        """
+        (x_min, y_min), (x_max, y_max) = np.asarray(low) - reach, np.asarray(high) + reach
+        kept = (self.low[:, 0] <= x_max) & (self.high[:, 0] >= x_min)
+        kept &= (self.low[:, 1] <= y_max) & (self.high[:, 1] >= y_min)
+        return np.flatnonzero(kept)
+
 
 @dataclass(frozen=True, eq=False)
 class World:
@@ -224,6 +240,5 @@ class World:
             corners[row, len(piece) :] = piece[-1]
         radius = np.array([r for _, r, _ in found], dtype=float)
         owner = np.array([i for _, _, i in found], dtype=np.int64)
-        low = corners.min(axis=1) - radius[:, None]
-        high = corners.max(axis=1) + radius[:, None]
-        return ConvexPieces(corners, radius, owner, low, high)
+        boxes = (corners.min(axis=1) - radius[:, None], corners.max(axis=1) + radius[:, None])
+        return ConvexPieces(corners, radius, owner, *boxes)

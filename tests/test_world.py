@@ -53,6 +53,27 @@ def test_every_grown_piece_fills_its_box():
         np.testing.assert_allclose(box, solid.shape.buffer(solid.radius).bounds, atol=1e-12)
 
 
+def test_what_is_left_out_as_far_from_a_box_is_further_than_the_reach():
+    rng = np.random.default_rng(7)
+    solids = tuple(
+        Solid.circle(*rng.uniform(-5, 5, 2), rng.uniform(0.1, 0.5))
+        if k % 2
+        else Solid.polygon(np.array(TRIANGLE) + rng.uniform(-5, 5, 2))
+        for k in range(200)
+    )
+    pieces = World(solids).pieces_between(0.0, 1.0)
+    for reach in (0.0, 0.5, 2.0):
+        low = rng.uniform(-4, 4, 2)
+        high = low + rng.uniform(0, 1, 2)
+        close = pieces.near(low, high, reach)
+        distance = shapely.distance(
+            shapely.box(*low, *high), shapely.box(*np.hstack([pieces.low, pieces.high]).T)
+        )
+        assert set(np.flatnonzero(distance <= reach)) <= set(close)
+        assert distance[close].max() <= np.sqrt(2.0) * reach
+    assert len(pieces.near([9.0, 9.0], [9.0, 9.0], math.inf)) == len(pieces)
+
+
 def test_an_empty_slice_has_no_pieces():
     pieces = World((Solid.polygon(TRIANGLE, z=(1.0, 2.0)),)).pieces_between(0.0, 0.5)
     assert len(pieces) == 0
