@@ -16,7 +16,7 @@ from .section import Section
 from .twist_section import TwistSection
 
 _CELLS = 128  # cells per cubic curve to begin with
-_MOST_CELLS = 2048
+_MOST_CELLS = 512
 _PRECISION = (1e-3, 5e-3)  # error wanted of kappa and its rate, relative to their greatest values
 
 
@@ -138,17 +138,26 @@ def _bezier_table(section: BezierSection) -> CurvatureTable:
         if precise or cells >= _MOST_CELLS:
             break
         cells *= 2
-    curve, node = np.unravel_index(np.abs(kappa).argmax(), kappa.shape)
-    near = np.clip(parameter[node] + np.linspace(-1.0, 1.0, 65) / cells, 0.0, 1.0)
-    peak = float(np.abs(bezier.curvature(section.control[curve], near)).max())
     return CurvatureTable(
         progress.ravel(),
         kappa.ravel(),
         rate.ravel(),
         errors[0].ravel(),
         errors[1].ravel(),
-        max(peak, float(np.abs(kappa).max())),
+        _greatest(section, parameter, kappa),
     )
+
+
+def _greatest(section: BezierSection, parameter: Array, kappa: Array) -> float:
+    """Return the greatest absolute curvature, closing in on it from the greatest at nodes."""
+    curve, node = np.unravel_index(np.abs(kappa).argmax(), kappa.shape)
+    greatest, middle, reach = float(np.abs(kappa).max()), parameter[node], parameter[1]
+    for _ in range(3):
+        near = np.clip(middle + reach * np.linspace(-1.0, 1.0, 33), 0.0, 1.0)
+        values = np.abs(bezier.curvature(section.control[curve], near))
+        greatest = max(greatest, float(values.max()))
+        middle, reach = near[values.argmax()], reach / 16.0
+    return greatest
 
 
 def _bends(section: BezierSection, parameter: Array) -> tuple[Array, Array, Array]:

@@ -19,7 +19,7 @@ class Limits:
     """What the drive may ask of the chair and its occupant; all positive unless stated.
 
     Attributes:
-        speed: Forward speed of the body origin [m/s].
+        speed: Forward speed of the body origin, and of each wheel's rim [m/s].
         reverse_speed: Backward speed [m/s]; 0 = the chair only drives forward.
         acceleration: Along the path, speeding up and braking alike [m/s^2].
         jerk: Along the path [m/s^3].

@@ -12,6 +12,7 @@ from narrows.limit_check import PERIOD, check_limits
 from narrows.path import Path
 from narrows.planners.timing import time_path
 from narrows.profile import Profile
+from narrows.se2 import compose, exponential
 from narrows.trajectory import Trajectory
 from narrows.vehicle import Limits, Vehicle
 
@@ -126,11 +127,13 @@ def test_a_jump_of_the_curvature_is_a_yaw_acceleration() -> None:
         assert check.kept == (speed < CHAIR.limits.yaw_acceleration * PERIOD)
 
 
-def test_a_jump_just_before_a_part_of_the_samples_ends_is_seen() -> None:
-    # samples are judged 100 000 at a time, 100 s; the jump is met at 99.99 s
-    path = Path.from_poses([[0, 0, 0], [1, 0, 0], [1 + math.sin(1), 1 - math.cos(1), 1]])
-    check = check_limits(steady(path, 1.0 / 99.99), CHAIR)
-    assert check.peaks["yaw_acceleration"] == pytest.approx(0.01 / PERIOD, rel=2e-3)
+def test_jumps_on_both_sides_of_where_a_part_of_the_samples_ends_count_together() -> None:
+    # samples are judged 100 000 at a time, 100 s; the jumps are met 5 ms before and after
+    poses = [np.zeros(3)]
+    for length, kappa in ((0.99995, 0.0), (1e-4, 1.0), (0.5, 2.0)):
+        poses.append(compose(poses[-1], exponential([length, 0.0, kappa * length])))
+    check = check_limits(steady(Path.from_poses(poses), 0.01), CHAIR)
+    assert check.peaks["yaw_acceleration"] == pytest.approx(0.02 / PERIOD, rel=1e-3)
 
 
 def test_a_change_of_direction_at_rest_is_none_and_at_speed_is_one() -> None:

@@ -162,9 +162,12 @@ def _driven_leg(
     # at full bend rate the whole yaw acceleration goes into v^2 dkappa/ds
     steady = np.sqrt(MARGIN * limits.yaw_acceleration / np.maximum(rate, 1e-9))
     cap = np.minimum(bend_cap(kappa, vehicle, top), steady)
+    acceleration = limits.acceleration
+    if np.ptp(kappa) <= 1e-9:  # a line or an arc: the yaw acceleration is kappa a throughout
+        acceleration = min(acceleration, limits.yaw_acceleration / max(float(kappa[0]), 1e-9))
     if len(jumps[0]):
         cap = np.minimum(cap, _jump_cap(nodes, *jumps, vehicle=vehicle, top=top))
-    return Leg(begin, nodes, top, limits.acceleration, limits.jerk, cap, table, vehicle)
+    return Leg(begin, nodes, top, acceleration, limits.jerk, cap, table, vehicle)
 
 
 def _jump_cap(nodes: Array, where: Array, step: Array, *, vehicle: Vehicle, top: float) -> Array:
