@@ -104,10 +104,10 @@ was lost in fact, the plan's less the driven one, where that was most: less, bec
 deviate along walls too, and because the worst deviation need not fall where the plan is
 narrowest."""
 
-_BUDGET_TEXT = """Budget = the plan's proven clearance - the greatest distance of a corner of the body
-from the plan as the chair believed it (tracking) - the greatest distance between the believed and
-the true body (localisation). A positive budget excludes contact at the control instants, even if
-the two worst cases fall together; the driven clearance is what was really left, proven over the
+_BUDGET_TEXT = """Budget = the plan's proven clearance - the greatest distance of a corner of the
+body from the plan as the chair believed it (tracking) - the greatest distance between the believed
+and the true body (localisation). A positive budget excludes contact at the control instants, even
+if the two worst cases fall together; the driven clearance is what was really left, proven over the
 whole motion."""
 
 
@@ -126,7 +126,8 @@ def _worst(rows: Sequence[Row]) -> list[dict[str, Any]]:
 
 
 def _values(rows: Sequence[Row], name: str) -> list[float]:
-    return [float(row[name]) for row in rows if row[name] is not None]
+    values = [row[name] for row in rows]
+    return [float(value) for value in values if value is not None]
 
 
 def spreads_of(
@@ -229,13 +230,12 @@ def _margin_table(rows: Sequence[Row]) -> str:
 
 
 def lost_clearance(rows: Sequence[Row]) -> float:
-    """Return the most clearance a drive lost against its plan [mm], at least 0."""
-    lost = [
-        float(row["plan_clearance_mm"]) - float(row["driven_clearance_mm"])
-        for row in rows
-        if row["plan_clearance_mm"] is not None and row["driven_clearance_mm"] is not None
-    ]
-    return max(lost, default=0.0)
+    """Return the most clearance a drive lost against its plan [mm]; 0 without solids."""
+    known = [row for row in rows if row["plan_clearance_mm"] is not None]
+    pairs = zip(
+        _values(known, "plan_clearance_mm"), _values(known, "driven_clearance_mm"), strict=True
+    )
+    return max((plan - driven for plan, driven in pairs), default=0.0)
 
 
 def _findings(paper: Sequence[Row], nominal: Sequence[Row], disturbed: Sequence[Row]) -> str:
