@@ -171,7 +171,7 @@ class BezierSection:
         than a half turn. Where they span more, the heading is unknown (a full turn).
         """
         part = bezier.segment(self.control[piece], low, high)  # (N, 4, 2)
-        legs = np.diff(part, axis=1)  # (N, 3, 2)
+        legs = _hodograph_between(self.control[piece], low, high)  # (N, 3, 2)
         middle = 0.5 * (low + high)
         position = bezier.evaluate(self.control[piece], middle)
         heading = self._heading(piece, middle)
@@ -185,3 +185,19 @@ class BezierSection:
         return Enclosure(
             part, np.column_stack([position, heading]), heading + least, heading + most
         )
+
+
+def _hodograph_between(control: Array, low: Array, high: Array) -> Array:
+    """Return the control points of the tangent between two parameters, shape (N, 3, 2).
+
+    The blossom of the derivative: unlike differences of a short part's own control points, it
+    keeps its digits however near the two parameters are, and is the tangent where they are equal.
+    """
+    first, second, third = np.moveaxis(bezier.derivative(control), 1, 0)  # (N, 2) each
+
+    def blossom(s: Array, t: Array) -> Array:
+        s, t = s[:, None], t[:, None]
+        mixed = s * (1.0 - t) + t * (1.0 - s)
+        return np.asarray((1.0 - s) * (1.0 - t) * first + mixed * second + s * t * third)
+
+    return np.stack([blossom(low, low), blossom(low, high), blossom(high, high)], axis=1)
