@@ -88,10 +88,6 @@ class HeadingGraph:
             for step in (-2, -1, 1, 2)
         }
 
-    def recut(self, headings: list[float]) -> HeadingGraph:
-        """Return the same graph cut at other headings, nothing computed yet."""
-        return HeadingGraph(self.problem, self.growth, self.window, self.open_window, headings)
-
     def half_angle(self, index: int) -> float:
         """Return half the width of interval `index` [rad]."""
         return 0.5 * (self._end(index) - self.headings[index])

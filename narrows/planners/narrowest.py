@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 
 from ..se2 import Array
-from .heading_graph import FULL_TURN
+from .heading_graph import FULL_TURN, HeadingGraph
 from .passage_refinement import Answer, Decision, decide
 from .passage_windows import PassageDecider
 
@@ -34,8 +34,8 @@ def narrowest_place(decider: PassageDecider, joined: Decision, apart: Decision) 
     """Return where the pivot is in the narrowest place, shape (2,), in the problem's frame [m].
 
     A way of the largest body that passes is laid over the free places of the smallest that does
-    not. Along it, the places still reached from the start and those that still reach the goal
-    come nearest to each other in the narrowest place.
+    not, in the window that holds the way. Along it, the places still reached from the start and
+    those that still reach the goal come nearest to each other in the narrowest place.
 
     Args:
         decider: Decides about grown bodies.
@@ -48,7 +48,9 @@ def narrowest_place(decider: PassageDecider, joined: Decision, apart: Decision) 
         return end
     chain = joined.network.way()
     cuts = {*problem.headings, *apart.graph.headings, *(step.heading for step in chain)}
-    again = decide(apart.graph.recut(sorted(cuts)), decider.finest, decider.deadline)
+    window = joined.graph.window
+    graph = HeadingGraph(problem, apart.graph.growth, window, False, sorted(cuts))
+    again = decide(graph, decider.finest, decider.deadline)
     place = None
     if again.answer is Answer.APART:
         network = again.network

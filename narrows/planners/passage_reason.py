@@ -94,6 +94,8 @@ def _blocked(scene: Scene, decision: Decision, spare: Spare | None, narrowest: A
         amount = ", however small the body"
     elif spare.limit is Limit.UNKNOWN:
         amount = fault.format(f"at least {-1e3 * spare.refuted:.0f} mm")
+    elif spare.refuted - spare.proven > _MILLIMETRE:
+        amount = fault.format(f"{-1e3 * spare.refuted:.0f} to {-1e3 * spare.proven:.0f} mm")
     else:
         amount = fault.format(f"{-1e3 * spare.proven:.0f} mm")
     return f"no motion gets this body from start to goal: {where}{amount}"

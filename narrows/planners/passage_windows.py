@@ -36,10 +36,9 @@ class PassageDecider:
     finest: float
     deadline: float
     decisions: int = field(default=0, init=False)
-    _level: int = field(default=0, init=False)
 
     def __post_init__(self) -> None:
-        """Begin with the first cuts and the smallest window."""
+        """Begin with the first cuts."""
         self._headings = list(self.problem.headings)
 
     @property
@@ -50,11 +49,15 @@ class PassageDecider:
     def decide(self, growth: float) -> Decision:
         """Return what is known of start and goal for a body grown by `growth` [m].
 
+        Each decision begins in the smallest window: one needed to prove a body shut in is
+        of no use to a smaller one that passes, and costs several times as much.
+
         Args:
             growth: How far every edge of the body is moved outward [m].
         """
+        level = 0
         while True:
-            window, whole = self._window(growth)
+            window, whole = self._window(growth, level)
             decision = self._by_disc(growth, window, whole)
             if decision is None:
                 cuts = list(self._headings)
@@ -67,7 +70,7 @@ class PassageDecider:
                 return decision
             if self.out_of_time:
                 return Decision(Answer.TOO_LONG, decision.network)
-            self._level += 1
+            level += 1
 
     def _by_disc(self, growth: float, window: Array, whole: bool) -> Decision | None:
         """Return what the disc inside the body says: apart, or joined outside; else None."""
@@ -77,14 +80,14 @@ class PassageDecider:
         decided = decision is not None and decision.answer in (Answer.APART, Answer.OUTSIDE)
         return decision if decided else None
 
-    def _window(self, growth: float) -> tuple[Array, bool]:
+    def _window(self, growth: float, level: int) -> tuple[Array, bool]:
         problem = self.problem
         everything = problem.whole_window(growth)
         if sum(len(pieces.around) for pieces in problem.pieces) <= _FEW:
             return everything, True
         ends = np.array([problem.start[:2], problem.goal_pivot(float(problem.goal[2]))])
         reach = max(2.0 * problem.reach(growth), 1.5) + problem.position_tolerance
-        margin = reach * 2.0**self._level
+        margin = reach * 2.0**level
         window = np.concatenate([ends.min(axis=0) - margin, ends.max(axis=0) + margin])
         inside = (everything[:2] >= window[:2]).all() and (everything[2:] <= window[2:]).all()
         return (everything, True) if inside else (window, False)

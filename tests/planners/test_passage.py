@@ -4,6 +4,7 @@ Room to spare is bracketed to less than 1 mm (`spare.BRACKET`), so figures agree
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,6 +14,9 @@ from narrows.clearance import clearance_at
 from narrows.planners import passage_windows
 from narrows.planners.heading_slices import ObstaclePieces
 from narrows.planners.passage import PassageStatus, Verdict, passable
+from narrows.planners.passage_problem import PassageProblem
+from narrows.planners.passage_reason import reason_for
+from narrows.planners.passage_windows import PassageDecider
 from narrows.planners.spare import Limit
 from narrows.scene import Goal, Scene
 from narrows.se2 import rotate
@@ -105,6 +109,16 @@ def test_the_reason_names_the_door_and_the_millimetres() -> None:
     )
     assert reason.endswith("is 35 mm too narrow")
     assert "230 mm to spare at the door at (0.00, 0.05)" in passable(door_scene(0.90)).reason
+
+
+def test_a_search_for_the_millimetres_that_ends_early_says_between_which_they_are() -> None:
+    scene = door_scene(0.635)
+    verdict = passable(scene)
+    assert verdict.spare is not None
+    rough = replace(verdict.spare, refuted=-0.020)
+    decision = PassageDecider(PassageProblem.from_scene(scene), 1e-3, math.inf).decide(0.0)
+    reason = reason_for(scene, decision, rough, verdict.narrowest)
+    assert reason.endswith("the door at (0.00, 0.05) is 20 to 35 mm too narrow")
 
 
 def test_a_fit_within_a_hair_is_left_undecided_with_the_room_bracketed() -> None:
