@@ -5,7 +5,7 @@ multipliers lambda, mu >= 0 exist with
 
     (A p - b)'lambda - g'mu >= d,   G'mu + R'A'lambda = 0,   |A'lambda| <= 1
 
-[OBCA, Eq. (15)]; for a circle of centre c and radius r a vector w takes the place of A'lambda:
+[OBCA]; for a circle of centre c and radius r a vector w takes the place of A'lambda:
 w.(p - c) - r - g'mu >= d. The motion is N arcs of equal length h and curvatures kappa_k, so that
 the poses between the nodes are known exactly; the nodes alone are kept clear, as in the original.
 Minimised is what our own planner minimises: INT kappa^2 + l^2 kappa_s^2 + a ds.
