@@ -169,7 +169,7 @@ def _table(name: str) -> TrackedPlan:
 
 @dataclass(frozen=True)
 class _Turn:
-    """The arc with the same clearance everywhere round a corner [corrections 2.4].
+    """The arc with the same clearance everywhere round a corner.
 
     Attributes:
         middle: Radius of the body origin [m].

@@ -79,7 +79,7 @@ def follow_target(
     curvature: float,
     gains: VirtualTargetGains,
 ) -> TargetMotion:
-    """Return the law of [Lapierre2007] as in corrections 3.1, with s = ahead, y = left, th = angle.
+    """Return the law of [Lapierre2007], with s = ahead, y = left, th = angle.
 
     With u the speed, c the curvature at the target, delta(y) the approach angle:
     s_dot = u cos th + k1 s,
