@@ -14,12 +14,10 @@ from ..clearance import clearance_at
 from ..scene import Scene
 from ..se2 import Array
 from .search_collision import Solids, advance
-from .search_field import pack_solids, way_field
-from .search_kernel import EXHAUSTED, FOUND, Field, Room, Rules, Tree, grow
+from .search_kernel import EXHAUSTED, FOUND, Room, Rules, Tree, grow
 from .search_options import Rung, SearchOptions
+from .search_terrain import terrain_of
 
-_FIELD_CELL, _MOST_CELLS = 0.05, 250_000
-_CANDIDATE_CELL = 0.2  # m
 _SPAN = 0.2  # m: longest piece of a connection checked at once
 _ATTEMPTS = 0.5  # m
 _OFF_GOAL = 0.3  # m: cost of ending beside the goal, within its tolerances
@@ -62,27 +60,11 @@ class Ground:
     """A scene as the compiled searches want it, shared by all of them."""
 
     def __init__(self, scene: Scene, options: SearchOptions) -> None:
-        """Pack the scene."""
+        """Pack the scene, or take it as packed for the search before."""
         self.scene = scene
         self.options = options
-        self.region = _region(scene)
-        span = max(_SPAN, options.step)
-        self.solids: Solids = pack_solids(scene, self.region, span, options.care, _CANDIDATE_CELL)
-
-    @cached_property
-    def to_goal(self) -> Field:
-        """Bound on the way to the goal."""
-        return self._field(self.scene.goal.pose)
-
-    @cached_property
-    def to_start(self) -> Field:
-        """Bound on the way to the start."""
-        return self._field(self.scene.start)
-
-    def _field(self, target: Array) -> Field:
-        area = float(np.prod(self.region[2:] - self.region[:2]))
-        cell = max(_FIELD_CELL, math.sqrt(area / _MOST_CELLS))
-        return way_field(self.scene, self.solids, self.region, target, cell)
+        self.terrain = terrain_of(scene, max(_SPAN, options.step), options.care)
+        self.solids: Solids = self.terrain.solids
 
     @cached_property
     def goals(self) -> Array:
@@ -111,11 +93,11 @@ class Ground:
         goal = self.scene.goal
         if rung.from_goal:
             free = self._is_free(self.goals[:, :3], rung.floor)
-            roots, field = self.goals[free], self.to_start
+            roots, field = self.goals[free], self.terrain.to_start
             target = np.array([*self.scene.start, 0.0, 0.0])
         else:
             free = self._is_free(self.scene.start[None], rung.floor)
-            roots, field = np.array([[*self.scene.start, 0.0]])[free], self.to_goal
+            roots, field = np.array([[*self.scene.start, 0.0]])[free], self.terrain.to_goal
             target = np.array(
                 [*goal.pose, _WITHIN * goal.position_tolerance, _WITHIN * goal.heading_tolerance]
             )
@@ -167,23 +149,6 @@ def _with_middles(parts: tuple[float, ...]) -> tuple[float, ...]:
     """Return the numbers in order and the middles between them."""
     ordered = sorted(set(parts))
     return tuple(sorted({*ordered, *(0.5 * (a + b) for a, b in pairwise(ordered))}))
-
-
-def _region(scene: Scene) -> Array:
-    """Return the box the body origin may be in, shape (4,): the bounds, or all there is and more.
-
-    The body's length and two of its tightest turns are left around everything.
-    """
-    if scene.world.bounds is not None:
-        return np.array(scene.world.bounds, dtype=float)
-    vehicle = scene.vehicle
-    points = [scene.start[:2], scene.goal.pose[:2]]
-    for layer in vehicle.layers:
-        pieces = scene.world.pieces_between(*layer.z)
-        points += [*pieces.low, *pieces.high]
-    radius = 0.0 if vehicle.may_turn_on_the_spot else 1.0 / vehicle.limits.curvature
-    around = 2.0 * vehicle.radius + 4.0 * radius
-    return np.concatenate([np.min(points, axis=0) - around, np.max(points, axis=0) + around])
 
 
 def _room(budget: int, roots: int, moves: int, corners: int) -> Room:

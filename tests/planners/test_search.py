@@ -160,7 +160,7 @@ def test_the_estimate_never_exceeds_what_was_driven():
             left = np.concatenate([np.cumsum(way.drives[::-1, 2])[::-1], [0.0]])
             goal = np.array([*case.goal.pose, case.goal.position_tolerance, 0.06])
             rules = ground._rules(rung, 1)
-            bound = [remaining(ground.to_goal, rules, *pose, goal) for pose in way.poses]
+            bound = [remaining(ground.terrain.to_goal, rules, *pose, goal) for pose in way.poses]
             assert (np.array(bound) <= left + 1e-9).all()
             assert bound[0] > 0.7 * left[0]  # and says something
 
