@@ -61,7 +61,7 @@ OWNERS = {
     "ruamel": {"scene_text", "scene_write", "maps"},
     "pebble": {"studies"},
     "ruckig": {"planners"},
-    "PIL": {"maps"},
+    "PIL": {"maps", "studies"},
 }
 """Libraries that only some rooms may import, at any depth."""
 

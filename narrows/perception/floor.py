@@ -42,7 +42,7 @@ class FloorPrior:
     angle_tolerance: float = math.radians(7.0)
     steps: float = 2.5
     least_share: float = 0.01
-    least_spread: float = 0.05
+    least_spread: float = 0.10
 
     def __post_init__(self) -> None:
         """Refuse tolerances that are not positive."""

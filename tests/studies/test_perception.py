@@ -1,0 +1,41 @@
+"""The study of perception: simulated frames by default, a folder's when there is one."""
+
+import json
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from narrows.errors import StudyError
+from narrows.studies import run
+from narrows.studies.perception_frames import SIMULATED, load_frame
+
+
+@pytest.mark.slow
+def test_simulated_frames_show_the_chain_taking_obstacles_away(tmp_path, monkeypatch):
+    monkeypatch.delenv("NARROWS_DATA", raising=False)
+    text = run("perception", tmp_path).text
+    assert "In somebody's back, table top, wall the largest plane is **not a floor**" in text
+    assert all(
+        (tmp_path / f"{name.replace(' ', '-')}.png").is_file() for name in ("wall", "cartons")
+    )
+    assert text.count("| seen |") == len(SIMULATED) - 1  # the wall hides the floor
+
+
+@pytest.mark.slow
+def test_a_folder_of_frames_is_read_and_its_reference_shown(tmp_path):
+    folder = tmp_path / "frames"
+    folder.mkdir()
+    frame = load_frame("cartons", None)
+    Image.fromarray(frame.depth).save(folder / "rgrgb.png")
+    lens = frame.camera.intrinsics
+    four = {"fx_fy_cx_cy": [lens.fx, lens.fy, lens.cx, lens.cy]}
+    (folder / "intrinsics.json").write_text(json.dumps({"rgrgb": four}))
+    again = load_frame("rgrgb", folder)
+    assert np.array_equal(again.depth, frame.depth)
+    assert "64508" in run("perception", tmp_path / "out", folder=folder).text
+
+
+def test_a_folder_that_is_not_there_is_said(tmp_path):
+    with pytest.raises(StudyError, match=r"intrinsics\.json"):
+        run("perception", tmp_path, folder=tmp_path / "nowhere")
