@@ -447,6 +447,22 @@ def weaving(length: float, gap: float) -> tuple[World, Path]:
     return World((wall,)), Path((BezierSection(np.array(control)),))
 
 
+@pytest.mark.parametrize("gap", [2e-4, 5e-5])
+def test_a_hairs_breadth_is_told_from_contact_below_the_tolerance(gap: float) -> None:
+    certificate = certify(*weaving_beside(gap))
+    assert 0.0 < certificate.clearance <= certificate.attained
+    assert certificate.attained == pytest.approx(gap, abs=gap / 2)
+    assert certificate.is_clear
+
+
+def weaving_beside(gap: float) -> tuple[World, Vehicle, Path]:
+    """The weave of two metres, its wall `gap` beyond where the body reaches by dense sampling."""
+    _, path = weaving(2.0, 1.0)
+    reach = transform(path(np.linspace(0.0, path.span, 40001)), CHAIR.outline)[..., 1].max()
+    wall = Solid.polygon([[-2, reach + gap], [5, reach + gap], [5, 3], [-2, 3]])
+    return World((wall,)), CHAIR, path
+
+
 def examined(world: World, path: Path, monkeypatch: pytest.MonkeyPatch) -> int:
     """Return how many pairs of interval and piece a certificate looks at."""
     count = 0
