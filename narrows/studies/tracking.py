@@ -12,7 +12,7 @@ from ..tracking.registry import make_tracker
 from .case import Scalar
 from .sweep import sweep
 from .table import Table
-from .tracking_plans import NARROW_PLANS, PAPER_PLANS, tracked_plan
+from .tracking_plans import NARROW_PLANS, PAPER_PLANS, first_scenes, tracked_plan
 from .tracking_report import spreads_of, tracking_report
 from .tracking_runs import DISTURBANCES, run_case
 
@@ -34,8 +34,8 @@ def run(
     seeds: int = 3,
     plans: Sequence[str] = (*PAPER_PLANS, *NARROW_PLANS),
     disturbances: Sequence[str] = tuple(DISTURBANCES),
-    doorbench: str = "",
-    scenes: Sequence[str] = (),
+    scenes: str | None = None,
+    scene_names: Sequence[str] = (),
 ) -> str:
     """Run the study into a folder and return its report.
 
@@ -49,10 +49,12 @@ def run(
         seeds: Drives of each random disturbance, plan and tracker.
         plans: Names of plans; disturbances are tried on those between solids.
         disturbances: Names of disturbances.
-        doorbench: File of DoorBench, if its scenes are wanted too.
-        scenes: Names of its scenes.
+        scenes: DoorBench's JSON file, if its scenes are wanted too, planned with reversing.
+        scene_names: Names of its scenes; the first of each level if empty.
     """
-    cases = _cases((*plans, *scenes), disturbances, seeds, doorbench)
+    if scenes is not None:
+        plans = (*plans, *(scene_names or first_scenes(scenes)))
+    cases = _cases(plans, disturbances, seeds, scenes or "")
     table = sweep(
         cases,
         run_case,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import dataclass
 from functools import lru_cache
@@ -23,7 +22,7 @@ from ..trajectory import Trajectory
 from ..vehicle import Vehicle
 from ..world import Door, Solid, World
 from .door_bezier_cases import HEADINGS_DEG, paper_chair, plan_trajectory
-from .doorbench_scenes import doorbench_scene
+from .doorbench_scenes import read_doorbench
 
 PAPER_SPEED = 0.16 * 2.0 * math.pi * 10.0 / 60.0
 """Speed of [NarrowArcs]: wheels of 0.16 m radius at 10 revolutions a minute [m/s]."""
@@ -263,15 +262,24 @@ def _shunt() -> TrackedPlan:
     return _tracked(chair, World(_around(free)), path, SPEED, "shunt")
 
 
+def first_scenes(file: str) -> tuple[str, ...]:
+    """Return the name of the first scene of each level in a file of DoorBench."""
+    levels: dict[str, str] = {}
+    for scene in read_doorbench(FilePath(file)):
+        levels.setdefault(scene.level, scene.name)
+    return tuple(levels.values())
+
+
 def _doorbench(name: str, file: str) -> TrackedPlan:
     """Return the plan of a scene of DoorBench, with reversing allowed."""
     from ..planners import plan
 
-    rows = json.loads(FilePath(file).read_text(encoding="utf-8"))["scenes"]
-    found = [row for row in rows if str(row["id"]) == name]
+    found = [
+        one.scene for one in read_doorbench(FilePath(file), reversing=True) if one.name == name
+    ]
     if not found:
         raise StudyError("there is no such scene", file=file, value=name)
-    scene = doorbench_scene(found[0], reversing=True)
+    scene = found[0]
     planned = plan(scene)
     if planned.trajectory is None or planned.certificate is None:
         raise StudyError(f"the scene is {planned.status.value}: {planned.reason}", value=name)

@@ -250,9 +250,15 @@ def _findings(paper: Sequence[Row], nominal: Sequence[Row], disturbed: Sequence[
             f"paper's {PAPER_ERROR_MM:.0f} mm (the worst has {max(worst.values()):.1f} mm)."
         )
     if nominal:
-        hits = sum(int(row["collisions"] or 0) for row in (*paper, *nominal))
-        drives = len(paper) + len(nominal)
-        lines.append(f"- Collisions of the nominal chair: {hits} in {drives} drives.")
+        counts = []
+        for bare in (False, True):
+            own = [r for r in (*paper, *nominal) if (r["tracker"] == "lookahead-paper") == bare]
+            hits = sum(int(value) for value in _values(own, "collisions"))
+            counts.append(f"{hits} in {len(own)} drives")
+        lines.append(
+            f"- Collisions of the nominal chair: {counts[0]}; of the bare law of [DoorBezier]: "
+            f"{counts[1]}."
+        )
     times = [row for row in (*paper, *nominal) if row["tracker"] == "predictive"]
     if times:
         median = float(np.median(_values(times, "step_ms")))

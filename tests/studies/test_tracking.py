@@ -124,7 +124,7 @@ def test_the_study_regenerates_with_its_tables_and_figures(tmp_path: FilePath):
     )
     for name in ("runs.csv", "errors.png", "deviations.png", "drives.png", "report.md"):
         assert (tmp_path / name).stat().st_size > 0
-    assert "Collisions of the nominal chair: 0 in 10 drives" in report.text
+    assert "Collisions of the nominal chair: 0 in 8 drives" in report.text
     assert "wheel slip 5 %: a plan needs a margin of" in report.text
     assert "= budget [mm]" in report.text
     again = run(
