@@ -22,6 +22,7 @@ LONGEST = 3600.0
 
 _PLENTY = 0.7  # share of the useful acceleration up to which the limit is simply used
 _SAMPLES = 400  # of a leg's motion, to see what it takes of the limits
+_SHARPER = 1.01  # curvature of this much beyond its limit is no rounding
 _TRIES = 8  # of stretching the whole by what the check finds in excess
 _ORDERS = {
     "speed": 1,
@@ -77,8 +78,8 @@ def timed_path(path: Path, vehicle: Vehicle) -> Timed:
         if check.kept:
             return Timed(trajectory, check)
         factor = _stretch_asked(check, vehicle)
-        if factor <= 1.0:
-            break
+        if factor <= 1.0 or check.peaks["curvature"] > _SHARPER * vehicle.limits.curvature:
+            break  # no time mends it: trying would sample a drive of days
         profile = stretched(profile, 1.001 * factor)
     raise ShapeError(f"no speed keeps the limits: {'; '.join(check.violations)}")
 
