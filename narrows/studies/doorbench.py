@@ -220,7 +220,7 @@ def _draw(
                 )
             )
         ours = rows.get(planners[0])
-        text = str(ours["answer"]) if ours is not None else ""
+        text = f"{planners[0]}: {ours['answer']}" if ours is not None else ""
         save_picture(
             scene_figure(one.scene, ways, planners, text), out / "pictures" / f"{one.name}.png"
         )
