@@ -114,6 +114,25 @@ def test_a_wall_and_nothing_else_is_no_floor():
     assert not (seen.cells == Cell.FREE).any()
 
 
+@pytest.mark.parametrize(
+    ("degrees", "height", "can_be"),
+    [(0.0, 0.8, True), (6.9, 0.8, True), (7.1, 0.8, False), (180.0, 0.8, False)]
+    + [(0.0, 0.855, True), (0.0, 0.865, False), (0.0, 0.735, False)],
+)
+def test_a_plane_too_steep_too_high_or_too_low_is_no_floor(degrees, height, can_be):
+    turned = Mounting(height=0.8, tilt=MOUNTING.tilt + np.radians(degrees)).up
+    assert is_floor(turned, height, MOUNTING, FloorPrior()) is can_be
+
+
+def test_a_steep_ramp_filling_the_view_is_no_floor():
+    # Seen by a camera 15 deg off, a floor at the right distance is a ramp at the wrong angle.
+    true = Mounting(height=0.8, tilt=MOUNTING.tilt + np.radians(15.0))
+    frame = depth_frame(depth_of_boxes((FLOOR,), kinect(true)), CAMERA.intrinsics)
+    found = find_floor(frame, CAMERA, FloorPrior())
+    assert not found.is_seen
+    assert found.mounting == MOUNTING
+
+
 @pytest.mark.parametrize("raised", [0.2, 0.7])
 def test_a_platform_is_no_floor_under_a_camera_believed_higher(raised):
     seen = seen_of((-1.0, -3.0, raised - 0.1, 6.0, 3.0, raised), true=MOUNTING)
