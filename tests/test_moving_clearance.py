@@ -121,6 +121,21 @@ def test_a_dash_between_two_rows_is_not_overlooked() -> None:
     assert time == pytest.approx(2.04, abs=1e-3)
 
 
+def test_a_swing_of_the_corner_between_two_rows_of_time_is_not_overlooked() -> None:
+    """The motion's own pieces cut time too: here it bends away and back within 40 ms."""
+    turns = [(0.976, 0.0, 0.0), (0.01, 0.0, 0.5), (0.01, 0.0, -0.5), (0.5, 0.0, 0.0)]
+    poses = [np.zeros(3)]
+    for twist in turns:
+        poses.append(compose(poses[-1], exponential(np.array(twist))))
+    motion = steady(Path.from_poses(poses), 0.5)
+    corner = transform(poses[2], [[FRONT, HALF]])[0]  # furthest to the left at the bend's middle
+    person = MovingSolid(0.25, [[0, corner[0], corner[1] + 0.25 + 0.05]])
+    proven, attained, time = clearance_of_moving(person, BODY, motion, TOLERANCE)
+    assert proven <= 0.05 + 1e-12
+    assert attained == pytest.approx(0.05, abs=2 * TOLERANCE)
+    assert time == pytest.approx((0.976 + 0.01) / 0.5, abs=0.01)
+
+
 def random_drive(rng: np.random.Generator) -> Trajectory:
     """Curves, arcs, shunts and turns on the spot, the speed changing along the way."""
     if rng.random() < 0.5:
