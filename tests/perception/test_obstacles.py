@@ -116,8 +116,15 @@ def test_a_wall_and_nothing_else_is_no_floor():
 
 @pytest.mark.parametrize(
     ("degrees", "height", "can_be"),
-    [(0.0, 0.8, True), (6.9, 0.8, True), (7.1, 0.8, False), (180.0, 0.8, False)]
-    + [(0.0, 0.855, True), (0.0, 0.865, False), (0.0, 0.735, False)],
+    [
+        (0.0, 0.8, True),
+        (6.9, 0.8, True),
+        (7.1, 0.8, False),
+        (180.0, 0.8, False),
+        (0.0, 0.855, True),
+        (0.0, 0.865, False),
+        (0.0, 0.735, False),
+    ],
 )
 def test_a_plane_too_steep_too_high_or_too_low_is_no_floor(degrees, height, can_be):
     turned = Mounting(height=0.8, tilt=MOUNTING.tilt + np.radians(degrees)).up
