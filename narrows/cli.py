@@ -182,13 +182,20 @@ def drive_command(
 @click.option("--resume", is_flag=True, help="Keep the cases done by an earlier run.")
 @click.option("--seed", default=0, show_default=True, metavar="N", help="Seed of all randomness.")
 @click.option("--scenes", type=click.Path(), metavar="FILE", help="Scenes, for a study of scenes.")
+@click.option("--data", type=click.Path(), metavar="FOLDER", help="Maps, for a study of maps.")
 def study_command(
-    name: str | None, out: str | None, jobs: int, resume: bool, seed: int, scenes: str | None
+    name: str | None,
+    out: str | None,
+    jobs: int,
+    resume: bool,
+    seed: int,
+    scenes: str | None,
+    data: str | None,
 ) -> Outcome:
     """Run an experiment again: its tables, figures and report. Without NAME: which there are."""
     from .commands.study import run_study
 
-    return run_study(name, out=out, jobs=jobs, resume=resume, seed=seed, scenes=scenes)
+    return run_study(name, out=out, jobs=jobs, resume=resume, seed=seed, scenes=scenes, data=data)
 
 
 @contextmanager

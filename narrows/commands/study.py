@@ -17,6 +17,7 @@ def run_study(
     resume: bool,
     seed: int,
     scenes: str | None = None,
+    data: str | None = None,
 ) -> Outcome:
     """Run a study into a folder; without a name, say which studies there are."""
     if name is None:
@@ -25,6 +26,7 @@ def run_study(
     if seed < 0:
         raise StudyError("the seed is negative", field="--seed", value=seed, allowed=">= 0")
     folder = Path(out) if out is not None else Path("out") / name
-    options = {} if scenes is None else {"scenes": scenes}
+    given = {"scenes": scenes, "data": data}
+    options = {option: value for option, value in given.items() if value is not None}
     report = run(name, folder, jobs=jobs, resume=resume, seed=seed, **options)
     return Outcome(OK, {}, lines(report.text.rstrip(), f"\nwritten to {report.file}"))
