@@ -59,7 +59,6 @@ OWNERS = {
     "numba": {"planners", "perception", "simulation"},
     "pydantic": {"scene_model", "scene_problems"},
     "ruamel": {"scene_text", "scene_write", "maps"},
-    "pebble": {"studies"},
     "ruckig": {"planners"},
     "PIL": {"maps", "studies"},
 }

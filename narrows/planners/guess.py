@@ -12,6 +12,7 @@ from narrows.errors import ShapeError
 from narrows.path import Path
 from narrows.scene import Scene
 from narrows.se2 import Array, wrap
+from narrows.section import Section
 from narrows.world import Door
 
 from .refinement import Manoeuvre
@@ -71,7 +72,7 @@ def forward_guesses(scene: Scene) -> list[tuple[str, Path]]:
     guesses = [
         (
             "through the door",
-            curve_through([scene.start, [*door.center, heading], scene.goal.pose]),
+            curve_through(np.stack([scene.start, [*door.center, heading], scene.goal.pose])),
         )
         for door, heading in doors_between(scene)[:2]
     ]
@@ -109,12 +110,15 @@ def fitted(path: Path, scene: Scene, segments: int) -> Manoeuvre:
     nodes[-1, 2] += wrap(scene.goal.pose[2] - nodes[-1, 2])
     spline = Spline(segments)
     controls = [
-        _fit(section.evaluate(np.linspace(0.0, section.span, _SAMPLES))[:, :2], *ends, spline)
-        for section, *ends in zip(
-            path.sections, nodes[:-1], nodes[1:], directions.tolist(), strict=True
-        )
+        _fit(_positions(section), nodes[k], nodes[k + 1], int(directions[k]), spline)
+        for k, section in enumerate(path.sections)
     ]
     return Manoeuvre(np.asarray(directions, dtype=np.int64), nodes, np.array(controls))
+
+
+def _positions(section: Section) -> Array:
+    """Return positions along a section, equal in arc length, shape (N, 2), [m]."""
+    return section.evaluate(np.linspace(0.0, section.span, _SAMPLES))[:, :2]
 
 
 def _fit(points: Array, first: Array, last: Array, direction: int, spline: Spline) -> Array:
