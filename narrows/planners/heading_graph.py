@@ -35,6 +35,7 @@ from .passage_problem import PassageProblem
 
 EPSILON = 1e-5  # m, see the module's docstring
 FULL_TURN = 2.0 * math.pi
+_SUM_TIME = 3e-5  # s for a piece at a heading: summed with the body and united with the others
 
 Cells = NDArray[np.object_]
 Indices = NDArray[np.int64]
@@ -87,6 +88,11 @@ class HeadingGraph:
             step: [b.grown(self.growth + step * EPSILON) for b in self.problem.layers]
             for step in (-2, -1, 1, 2)
         }
+
+    @property
+    def first_look_s(self) -> float:
+        """About the process time that the cells of the first look at all headings take [s]."""
+        return _SUM_TIME * 2 * len(self.headings) * sum(len(pieces) for pieces in self._inside)
 
     def half_angle(self, index: int) -> float:
         """Return half the width of interval `index` [rad]."""

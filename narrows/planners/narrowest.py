@@ -13,6 +13,8 @@ from .heading_graph import FULL_TURN, HeadingGraph
 from .passage_refinement import Answer, Decision, decide
 from .passage_windows import PassageDecider
 
+_PATIENCE = 4.0  # s beyond the deadline: what people ask for first is the place
+
 Sides = tuple[list[shapely.Polygon], list[shapely.Polygon]]
 
 
@@ -30,8 +32,10 @@ def blocked_end(apart: Decision) -> Array | None:
     return None
 
 
-def narrowest_place(decider: PassageDecider, joined: Decision, apart: Decision) -> Array:
+def narrowest_place(decider: PassageDecider, joined: Decision, apart: Decision) -> Array | None:
     """Return where the pivot is in the narrowest place, shape (2,), in the problem's frame [m].
+
+    None where finding out would take much longer than the time given.
 
     A way of the largest body that passes is laid over the free places of the smallest that does
     not, in the window that holds the way. Along it, the places still reached from the start and
@@ -50,6 +54,8 @@ def narrowest_place(decider: PassageDecider, joined: Decision, apart: Decision) 
     cuts = {*problem.headings, *apart.graph.headings, *(step.heading for step in chain)}
     window = joined.graph.window
     graph = HeadingGraph(problem, apart.graph.growth, window, False, sorted(cuts))
+    if decider.is_too_long(graph, _PATIENCE):
+        return None
     again = decide(graph, decider.finest, decider.deadline)
     place = None
     if again.answer is Answer.APART:

@@ -54,8 +54,10 @@ def _passes(scene: Scene, spare: Spare | None) -> str:
         text = f"the body passes with {room}, the least of it at the start"
     elif spare.limit is Limit.GOAL:
         text = f"the body passes with {room}, the least of it at the goal"
-    elif spare.limit is Limit.BETWEEN and spare.narrowest is not None:
-        text = f"the body passes with {room} at {place_name(scene, spare.narrowest)}"
+    elif spare.limit is Limit.BETWEEN:
+        text = f"the body passes with {room}"
+        if spare.narrowest is not None:
+            text += f" at {place_name(scene, spare.narrowest)}"
     else:
         raise ValueError(f"a body that passes cannot be limited by: {spare.limit.value}")
     if spare.refuted - spare.proven > _MILLIMETRE:

@@ -14,10 +14,12 @@ import numpy as np
 
 from ..se2 import Array
 from .heading_graph import HeadingGraph
+from .passage_network import PassageNetwork
 from .passage_problem import PassageProblem
 from .passage_refinement import Answer, Decision, decide, glance
 
 _FEW = 60  # obstacle pieces that are all taken at once
+_PATIENCE = 1.0  # s that a look once begun may take beyond the deadline
 _MOST_HEADINGS = 400  # cuts handed on from one decision to the next
 
 
@@ -46,6 +48,15 @@ class PassageDecider:
         """Whether the deadline has passed."""
         return time.process_time() > self.deadline
 
+    def is_too_long(self, graph: HeadingGraph, patience: float = _PATIENCE) -> bool:
+        """Return whether even the first look at a graph would end well after the deadline.
+
+        Args:
+            graph: A graph of which nothing is computed yet.
+            patience: How long after the deadline it may end [s].
+        """
+        return time.process_time() + graph.first_look_s > self.deadline + patience
+
     def decide(self, growth: float) -> Decision:
         """Return what is known of start and goal for a body grown by `growth` [m].
 
@@ -62,6 +73,8 @@ class PassageDecider:
             if decision is None:
                 cuts = list(self._headings)
                 graph = HeadingGraph(self.problem, growth, window, not whole, cuts)
+                if self.is_too_long(graph):
+                    return Decision(Answer.TOO_LONG, PassageNetwork(graph, self.finest))
                 decision = decide(graph, self.finest, self.deadline)
                 if len(graph.headings) <= _MOST_HEADINGS:
                     self._headings = list(graph.headings)

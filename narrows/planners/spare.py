@@ -46,7 +46,7 @@ class Spare:
         limit: What ends the growth.
         narrowest: The narrowest place in the world, shape (2,), [m]; the middle of the body
             there, or of the body at start or goal where those end the growth. None where
-            nothing ends it, and where no body passes.
+            nothing ends it, where no body passes, and where the time was up.
     """
 
     proven: float
@@ -75,7 +75,7 @@ class _Bracket:
         elif decision.answer is Answer.APART:
             if self.apart is None or growth < self.apart.graph.growth:
                 self.apart = decision
-        elif decision.answer is not Answer.TOO_LONG:
+        else:
             self.undecided.append(growth)
 
     def next_growth(self) -> float | None:
@@ -115,7 +115,8 @@ def find_spare(decider: PassageDecider, at_zero: Decision) -> Spare:
     elif joined is None:
         limit = Limit.NO_WAY if apart.graph.growth <= smallest else Limit.UNKNOWN
     else:
-        place = narrowest_place(decider, joined, apart) + decider.problem.origin
+        found = narrowest_place(decider, joined, apart)
+        place = None if found is None else found + decider.problem.origin
         if not apart.network.start_is_possible:
             limit = Limit.START
         elif not apart.network.goal_is_possible:
