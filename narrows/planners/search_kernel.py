@@ -187,6 +187,8 @@ def connect(
     x, y, heading = tree.pose[node, 0], tree.pose[node, 1], tree.pose[node, 2]
     for word in range(4):
         length = arc_line_arc(x, y, heading, goal, v, rules.radius, word, room.curve)
+        if length == math.inf:
+            continue  # there is no such curve, and nothing was written
         if rules.radius == 0.0:
             length = room.curve[1, 2] + rules.spot * (length - room.curve[1, 2])
         if tree.cost[node] + length >= best:
