@@ -6,6 +6,7 @@ placed with sines and cosines, distances are shapely's, motions between rows are
 
 import csv
 import math
+import time
 from dataclasses import replace
 from itertools import pairwise
 
@@ -186,6 +187,16 @@ def test_nothing_uncertified_is_returned_from_random_worlds(seed, tmp_path):
         assert len(found.reason) > 20
     if found.status is PlanStatus.IMPASSABLE:
         assert passable(scene, spare=False).status is PassageStatus.IMPASSABLE
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [20039, 20154])
+def test_worlds_that_once_had_no_answer_have_one(seed):
+    """A rough path bent so sharply that timing it took days; a connection that does not exist."""
+    scene = random_scene(seed)
+    begun = time.process_time()
+    assert isinstance(plan(scene).status, PlanStatus)
+    assert time.process_time() - begun < 60.0
 
 
 @pytest.mark.slow
