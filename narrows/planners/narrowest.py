@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import math
-from itertools import product
-
 import numpy as np
 import shapely
 
 from ..se2 import Array
-from .heading_graph import FULL_TURN, HeadingGraph
+from .heading_graph import HeadingGraph
 from .passage_refinement import Answer, Decision, decide
 from .passage_windows import PassageDecider
+from .passage_witness import Point, nearest_in, route_inside
 
+_SPACING = 0.01  # m between the places looked at along the way
+_HAIR = 5e-3  # m: a way that grazes what a slightly larger body cannot reach is not cut there
 _PATIENCE = 4.0  # s beyond the deadline: what people ask for first is the place
 
 Sides = tuple[list[shapely.Polygon], list[shapely.Polygon]]
@@ -38,8 +38,8 @@ def narrowest_place(decider: PassageDecider, joined: Decision, apart: Decision) 
     None where finding out would take much longer than the time given.
 
     A way of the largest body that passes is laid over the free places of the smallest that does
-    not, in the window that holds the way. Along it, the places still reached from the start and
-    those that still reach the goal come nearest to each other in the narrowest place.
+    not, in the window that holds the way. The narrowest place is where it leaves those in reach
+    of the start, until it comes to those in reach of the goal; its middle is taken.
 
     Args:
         decider: Decides about grown bodies.
@@ -57,44 +57,40 @@ def narrowest_place(decider: PassageDecider, joined: Decision, apart: Decision) 
     if decider.is_too_long(graph, _PATIENCE):
         return None
     again = decide(graph, decider.finest, decider.deadline)
-    place = None
     if again.answer is Answer.APART:
-        network = again.network
-        sides = [_near(network.sides(step.heading), step.cell) for step in chain]
-        place = _closest([step.heading for step in chain], sides, problem.reach(0.0))
+        sides = [again.network.sides(step.heading) for step in chain]
+        goal = problem.goal_pivot(chain[-1].heading)
+        exits = [*(step.exit for step in chain[:-1]), nearest_in(chain[-1].cell, goal)]
+        return _middle_of_gap([step.cell for step in chain], exits, sides, problem.start[:2])
     # Ways of other bodies may leave no trace of both sides: the middle of this way then.
-    return np.array(chain[len(chain) // 2].exit) if place is None else place
+    return np.array(chain[len(chain) // 2].exit)
 
 
-def _near(sides: Sides, cell: shapely.Polygon) -> Sides:
-    start, goal = ([c for c in side if c.intersects(cell)] for side in sides)
-    return start, goal
-
-
-def _closest(headings: list[float], sides: list[Sides], radius: float) -> Array | None:
-    """Return the middle between the start's and the goal's side where they are nearest.
-
-    Headings apart count as far as they move the body's furthest point.
+def _middle_of_gap(
+    cells: list[shapely.Polygon], exits: list[Point], sides: list[Sides], start: Array
+) -> Array:
+    """Return the middle of the part of a way that is in reach of neither end, shape (2,), [m].
 
     Args:
-        headings: Headings, length H [rad].
-        sides: Cells of the start's and of the goal's side at each heading.
-        radius: Distance of the body's furthest point from the pivot [m].
+        cells: Polygons the way runs through.
+        exits: Where it leaves each of them [m].
+        sides: For each, the places in reach of the start, and of the goal.
+        start: Where the way begins, shape (2,), [m].
     """
-    starts = [(h, shapely.MultiPolygon(s)) for h, (s, _) in zip(headings, sides, strict=True) if s]
-    goals = [(h, shapely.MultiPolygon(g)) for h, (_, g) in zip(headings, sides, strict=True) if g]
-    pairs = [
-        (radius * abs(math.remainder(h - other, FULL_TURN)), a, b)
-        for (h, a), (other, b) in product(starts, goals)
-    ]
-    best, place = math.inf, None
-    for turn, a, b in sorted(pairs, key=lambda pair: pair[0]):
-        if turn >= best:
-            break
-        line = shapely.shortest_line(a, b)
-        if turn + line.length < best:
-            best = turn + line.length
-            # At two headings the sides may overlap: then the middle of the overlap.
-            middle = shapely.intersection(a, b) if line.length == 0.0 else line
-            place = shapely.get_coordinates(shapely.centroid(middle))[0]
-    return place
+    points, from_start, from_goal = [], [], []
+    here = (float(start[0]), float(start[1]))
+    for cell, leave, (reached, reaching) in zip(cells, exits, sides, strict=True):
+        line = shapely.LineString(route_inside(cell, here, leave))
+        along = shapely.segmentize(line, _SPACING) if line.length else line
+        rows = shapely.points(shapely.get_coordinates(along))
+        points.append(shapely.get_coordinates(rows))
+        from_start.append(shapely.dwithin(shapely.MultiPolygon(reached), rows, _HAIR))
+        from_goal.append(shapely.dwithin(shapely.MultiPolygon(reaching), rows, _HAIR))
+        here = leave
+    way = np.concatenate(points)
+    left = np.flatnonzero(np.concatenate(from_start)).max(initial=0)
+    after = np.flatnonzero(np.concatenate(from_goal)[left:])
+    entered = left + int(after[0]) if len(after) else len(way) - 1
+    gap = way[left : entered + 1]
+    length = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(gap, axis=0).T))])
+    return np.array([np.interp(0.5 * length[-1], length, part) for part in gap.T])

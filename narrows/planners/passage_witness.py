@@ -38,7 +38,7 @@ def witness_poses(problem: PassageProblem, steps: Sequence[Step]) -> Array:
     for k, step in enumerate(steps):
         # A step is a node: slide inside its cell to where the next turn is made.
         last = k == len(steps) - 1
-        target = _nearest(step.cell, problem.goal_pivot(heading)) if last else step.exit
+        target = nearest_in(step.cell, problem.goal_pivot(heading)) if last else step.exit
         rows += [(*point, heading) for point in route_inside(step.cell, here, target)[1:]]
         here = target
         if not last:
@@ -51,7 +51,8 @@ def witness_poses(problem: PassageProblem, steps: Sequence[Step]) -> Array:
     return poses
 
 
-def _nearest(cell: shapely.Polygon, point: Array) -> Point:
+def nearest_in(cell: shapely.Polygon, point: Array) -> Point:
+    """Return the point of a polygon that is nearest to a point (2,), [m]."""
     line = shapely.shortest_line(cell, shapely.Point(point))
     x, y = line.coords[0]
     return float(x), float(y)

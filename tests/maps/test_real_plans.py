@@ -125,6 +125,15 @@ def test_a_drive_that_must_fail_is_not_certified(row):
         assert found.statistics["missing_mm"] > 0.0
 
 
+def test_a_door_that_is_too_narrow_is_named_with_what_is_missing():
+    """A door of 0.762 m between two rooms of the Duplex, a chair of 0.83 m."""
+    rows = [parameter.values[0] for parameter in drives("must_fail", {"duplex_level1": ("3",)})]
+    row = next(row for row in rows if (row["map"], row["door_or_task"]) == ("duplex_level1", "3"))
+    found = plan(scene_of(row, float(row["chair_width"])))
+    assert found.status is PlanStatus.IMPASSABLE
+    assert found.reason.endswith("the door at (2.51, -8.13) is 68 mm too narrow")
+
+
 @pytest.mark.parametrize("row", drives("must_succeed", WIDENED))
 def test_a_chair_wider_than_the_sweep_is_planned_another_way_or_refused(row):
     """A tenth of a metre more than the width that is free straight on."""

@@ -111,6 +111,18 @@ def test_the_reason_names_the_door_and_the_millimetres() -> None:
     assert "230 mm to spare at the door at (0.00, 0.05)" in passable(door_scene(0.90)).reason
 
 
+def test_the_door_is_the_narrowest_place_though_the_wall_beside_it_is_thinner_than_the_body() -> (
+    None
+):
+    # Turned along the wall, places on its two sides are nearer to each other than in the door.
+    chair = Vehicle.rectangle(1.1, 0.83, 0.55)
+    room = door_scene(0.762, vehicle=chair).world
+    scene = Scene(
+        chair, room, np.array([0, -1.4, math.pi / 2]), Goal(np.array([0, 1.5, math.pi / 2]))
+    )
+    assert passable(scene).narrowest == pytest.approx([0.0, 0.05], abs=0.05)
+
+
 def test_a_search_for_the_millimetres_that_ends_early_says_between_which_they_are() -> None:
     scene = door_scene(0.635)
     verdict = passable(scene)
