@@ -18,6 +18,7 @@ import shapely
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from narrows.clearance import Certificate
 from narrows.errors import InputError
@@ -47,6 +48,7 @@ from .scene_drawing import (
 from .view_box import ViewBox, view_box
 
 _WIDTH = 12.0  # in; 1200 px at 100 px/in
+_PAD = 0.1  # inches around everything: titles and legends keep off what is beside them
 _DPI = 100
 _STYLE: dict[Any, Any] = {
     "font.family": ["DejaVu Sans"],
@@ -179,7 +181,8 @@ def _layout(view: ViewBox, charts: int, content: _Content) -> tuple[Figure, Axes
         height = min(max(7.0 * aspect, 6.6), 11.0)
     else:
         height = min(max(10.8 * aspect, 3.0), 9.0) + (2.8 if charts else 0.0)
-    figure = Figure(figsize=(_WIDTH, height + head + 0.6), dpi=_DPI, layout="constrained")
+    layout = ConstrainedLayoutEngine(h_pad=_PAD, w_pad=_PAD)
+    figure = Figure(figsize=(_WIDTH, height + head + 0.6), dpi=_DPI, layout=layout)
     FigureCanvasAgg(figure)
     if beside:
         grid = figure.add_gridspec(charts, 2, width_ratios=[1.65, 1.0])
