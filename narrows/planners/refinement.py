@@ -147,6 +147,7 @@ class Refinement:
         self.spline = self.program.spline
         self.evaluations = 0
         self.tried = 0
+        self.goal = scene.goal.pose  # its heading by whole turns as the guess has it
         self.weights = self.options.weights
         self.samples = _SAMPLES
         self.thinnest = 0.8 * min(_inradius(layer.polygon) for layer in scene.vehicle.layers)
@@ -257,6 +258,8 @@ class Refinement:
         if guess.controls.shape != (len(self.directions), count, 2):
             raise ShapeError(f"controls must be {(len(self.directions), count, 2)}")
         x = np.zeros(self.layout.size)
+        turns = np.rint((guess.nodes[-1, 2] - self.scene.goal.pose[2]) / (2.0 * np.pi))
+        self.goal = self.scene.goal.pose + np.array([0.0, 0.0, 2.0 * np.pi * turns])
         for k, control in enumerate(guess.controls):
             x[3 * k : 3 * k + 3] = guess.nodes[k + 1]
             first = np.linalg.norm(control[1] - control[0])
@@ -314,7 +317,7 @@ class Refinement:
         parameters = np.concatenate(
             [
                 scene.start,
-                scene.goal.pose,
+                self.goal,
                 [scene.goal.position_tolerance],
                 self.directions,
                 self.weights.values,
@@ -373,7 +376,7 @@ class Refinement:
             step_lower[legs] = np.minimum(0.0, np.maximum(-radius, _BEHIND - state.x[legs]))
         goal = 3 * layout.sections - 1
         turn = _EDGE * scene.goal.heading_tolerance
-        off = state.x[goal] - scene.goal.pose[2]
+        off = state.x[goal] - self.goal[2]
         step_lower[goal] = max(-radius, min(0.0, -turn - off))
         step_upper[goal] = min(radius, max(0.0, turn - off))
         step_lower[-2:], step_upper[-2:] = -state.x[-2:], 1e3
