@@ -8,9 +8,11 @@ import pytest
 
 from narrows.bezier_section import BezierSection
 from narrows.interfaces import Plan, PlanStatus
+from narrows.limit_check import check_limits
 from narrows.path import Path
+from narrows.planners import finish
 from narrows.planners.finish import CERTIFICATE_TOLERANCE, ends_problem, finished_plan
-from narrows.planners.timing import timed_path
+from narrows.planners.timing import Timed, time_path, timed_path
 from narrows.scene import Goal, Scene
 from narrows.vehicle import Limits, Vehicle
 from narrows.world import MovingSolid, Solid, World
@@ -107,6 +109,20 @@ def test_a_bend_beyond_the_chairs_is_refused() -> None:
     assert "curvature" in refused(bent, path)
     agile = replace(CHAIR, limits=Limits(curvature=math.inf))
     assert finished(replace(bent, vehicle=agile), path).status is PlanStatus.CERTIFIED
+
+
+def test_a_timing_that_breaks_a_limit_is_refused_whoever_made_it(monkeypatch) -> None:
+    """The check has the last word: here the timing was made for a faster chair."""
+    fast = replace(CHAIR, limits=Limits(speed=2.0, curvature=2.5))
+
+    def careless(path: Path, vehicle: Vehicle) -> Timed:
+        trajectory = time_path(path, fast)
+        return Timed(trajectory, check_limits(trajectory, vehicle))
+
+    monkeypatch.setattr(finish, "timed_path", careless)
+    reason = refused(scene())
+    assert reason.startswith("the path found breaks a limit: ")
+    assert "speed reaches" in reason
 
 
 def test_a_turn_on_the_spot_is_refused_where_the_chair_has_a_least_radius() -> None:

@@ -129,6 +129,18 @@ def test_the_curvature_limit_is_kept_between_the_samples_too(name: str) -> None:
     assert refined.path.max_curvature <= case(name).scene.vehicle.limits.curvature
 
 
+def test_a_chair_that_bends_less_goes_a_wider_way() -> None:
+    """A limit below the curvature of the free optimum binds, is kept, and costs something."""
+    free, scene = case("doorway").refined, doorway()
+    limit = 0.85 * free.path.max_curvature
+    stiff = replace(scene, vehicle=replace(CHAIR, limits=Limits(curvature=limit)))
+    refined = refined_from(stiff, forward_guesses(stiff)[0][1], 10)
+    assert refined.excess <= 1e-9
+    assert 0.97 * limit <= refined.path.max_curvature <= limit
+    assert refined.slack <= 1e-4
+    assert refined.cost > 0.99 * free.cost
+
+
 @EVERY
 def test_curvature_is_continuous_inside_a_section(name: str) -> None:
     for section in case(name).refined.path.sections:
