@@ -18,7 +18,7 @@ from .narrowest import narrowest_place
 from .passage_refinement import Answer, Decision
 from .passage_windows import PassageDecider
 
-BRACKET = 2e-4  # growth [m]; the spare room is twice that
+BRACKET = 4e-4  # growth [m]; the spare room is twice that, below a millimetre
 LARGEST = 1.0  # growth beyond this is not looked for [m]
 _STEP_ASIDE = 1.5e-4  # where a growth touches exactly, its neighbours are tried [m]
 _FIRST_STEP = 0.0413  # not a round figure: sizes are, and an exact fit takes longest [m]
@@ -87,7 +87,7 @@ class _Bracket:
         if not between:
             return 0.5 * (low + high) if high - low > BRACKET else None
         for known, doubt in ((low, min(between)), (high, max(between))):
-            if abs(doubt - known) > BRACKET:
+            if abs(doubt - known) > 0.5 * BRACKET:
                 aside = math.copysign(_STEP_ASIDE, known - doubt)
                 return doubt + aside if len(between) == 1 else 0.5 * (known + doubt)
         return None
