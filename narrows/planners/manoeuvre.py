@@ -19,6 +19,7 @@ from .refinement import Refined, Refinement, RefinementOptions
 
 _PIECE = 0.45  # m: a cubic piece about half a chair long bends as sharply as a chair can
 _SEGMENTS = {1: (6, 10)}  # by number of sections, else 6: few sizes, few programs to compile
+_TOO_SHARP = 20.0  # 1/m: a radius of 5 cm is no curve to drive but a fold
 _ROWS = {1: 128}  # rows of clearance by number of sections, else 64
 
 
@@ -141,6 +142,10 @@ def plan_of(scene: Scene, candidates: list[Candidate], begun: float) -> Plan:
     """
     refusals = []
     for candidate in candidates:
+        sharpest = candidate.refined.path.max_curvature
+        if sharpest > _TOO_SHARP:
+            refusals.append(f"{candidate.name}: the curve found folds over ({sharpest:.0f} 1/m)")
+            continue
         plan = finished_plan(
             scene,
             candidate.refined.path,

@@ -44,6 +44,7 @@ _SMALLEST = 1e-5  # m, rad: trust radius at which a search for a better step end
 _SLACK_CURVATURE = 10.0  # cost / m^2: 2e-3 at a slack of 20 mm
 _DEARER = 10.0  # how much the price of clearance is raised where the margin is not kept
 _WITHIN_REACH = 0.01  # m: beyond contact by more than this, it is not raised
+_SHARPEST = 8.0  # 1/m: chairs that may turn on the spot bend no sharper while driving
 _FAR_BEND = 1.0  # 1/m: curvature this far below the limit is not watched in a step
 _SAMPLES = 97  # along a section while it moves; twice as many must agree in the end
 _UNSEEN = 1e-4  # m: clearance that more samples may take away without another step
@@ -152,7 +153,8 @@ class Refinement:
         self.samples = _SAMPLES
         self.thinnest = 0.8 * min(_inradius(layer.polygon) for layer in scene.vehicle.layers)
         self._thinner: dict[float, Vehicle] = {}
-        self.limit = _CURVATURE_SHARE * min(scene.vehicle.limits.curvature, 1e3)
+        self.allowed = min(scene.vehicle.limits.curvature, _SHARPEST)
+        self.limit = _CURVATURE_SHARE * self.allowed
 
     def run(self, guess: Manoeuvre) -> Refined:
         """Return the smooth manoeuvre reached from a guess.
@@ -169,8 +171,8 @@ class Refinement:
             self.weights = replace(self.weights, price=dearer)
             state = self._descended(self._evaluate(state.x, 0.0))
         for _ in range(2):
-            beyond = self._path(state.x).max_curvature - self.scene.vehicle.limits.curvature
-            if beyond <= 0.0:
+            beyond = self._path(state.x).max_curvature - self.allowed
+            if not 0.0 < beyond < self.allowed:
                 break
             self.limit -= 1.5 * beyond  # what lies between the samples of the curvature
             state = self._descended(self._evaluate(state.x, 0.0))

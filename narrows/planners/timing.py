@@ -17,7 +17,7 @@ from .legs import MARGIN, Leg, legs_of
 from .local_slowing import varied_motion
 from .single_motion import single_motion
 
-LONGEST = 3600.0
+LONGEST = 600.0
 """Longest time a stretch between two stops may take [s]."""
 
 _PLENTY = 0.7  # share of the useful acceleration up to which the limit is simply used
