@@ -369,6 +369,18 @@ def test_a_guess_through_a_jamb_is_led_out_of_it() -> None:
     assert clearance_at(scene.world, scene.vehicle, poses)[0].min() >= scene.margin - 1e-4
 
 
+@pytest.mark.parametrize("iterations", [1, 2, 4])
+def test_stopped_on_the_way_it_says_what_the_chairs_own_body_lacks(iterations: int) -> None:
+    """Whatever thinner body stood in for it."""
+    scene = doorway(0.9)
+    rough = curve_through([scene.start, [1.75, 1.6, math.pi / 2], scene.goal.pose])
+    refined = refined_from(scene, rough, 10, iterations=iterations)
+    poses = refined.path(np.linspace(0.0, refined.path.span, 6000))
+    least = clearance_at(scene.world, scene.vehicle, poses)[0].min()
+    missing = max(0.0, scene.margin + MARGIN_EXTRA - least)
+    assert refined.slack == pytest.approx(missing, abs=1e-3)  # in a solid known less exactly
+
+
 @pytest.mark.parametrize("directions", [[], [0], [1, 2]])
 def test_directions_are_forward_or_reverse(directions: list[int]) -> None:
     with pytest.raises(ShapeError, match=r"directions must be \+1 or -1"):
