@@ -28,10 +28,9 @@ class ManoeuvreOptions:
     """How smooth manoeuvres are sought.
 
     Attributes:
-        weights: What smoothness costs. `weights.price` trades clearance for smoothness: it is the
-            smoothness, INT kappa^2 ds in 1/m, worth giving up for a metre of clearance missing
-            from the margin. The default, 2000, gives up 2 1/m for a millimetre: about the whole
-            cost of passing a door, so the margin is kept wherever the chair can.
+        weights: What smoothness costs. `weights.price` is the smoothness, INT kappa^2 ds in 1/m,
+            given up for a metre of clearance missing from the margin; as it is raised where the
+            margin is not kept, what trades clearance for smoothness is the scene's margin.
         compare: How many starts that keep the margin are compared before the smoothest is taken.
     """
 
