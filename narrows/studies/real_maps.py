@@ -26,7 +26,7 @@ from ..planners.ladder import plan
 from ..scene import Goal, Scene
 from ..vehicle import Vehicle
 from ..world import World
-from .case import Case
+from .case import Case, Scalar
 from .report import markdown_table
 from .sweep import sweep
 from .table import Row, Table
@@ -40,6 +40,7 @@ _SIZES = ("chair_width", "chair_length")
 _TEXTS = ("folder", "map", "expect", "door_or_task")
 _BY_MAP = {
     "map": "map",
+    "expect": "expected",
     "pieces": "convex pieces",
     "drives": "drives",
     "certified": "certified",
@@ -211,10 +212,10 @@ def _is_below_margin(scene: Scene, found: Plan) -> bool:
 
 def _report(table: Table) -> str:
     done = table.done.rows
-    by_map = [
-        _summary(name, [row for row in done if row["map"] == name])
-        for name in dict.fromkeys(str(row["map"]) for row in done)
-    ]
+    groups: dict[tuple[Scalar, Scalar], list[Row]] = {}
+    for row in done:
+        groups.setdefault((row["map"], row["expect"]), []).append(row)
+    by_map = [_summary(rows) for rows in groups.values()]
     short = [row for row in done if row["is_below_margin"]]
     wrong = [row for row in done if not row["is_expected"]]
     formats = {"least_mm": ".1f", "median_s": ".2f", "most_s": ".1f"}
@@ -237,13 +238,14 @@ def _report(table: Table) -> str:
     return "\n\n".join(parts) + "\n"
 
 
-def _summary(name: str, rows: Sequence[Row]) -> dict[str, Any]:
-    """Return one map's line of the report."""
+def _summary(rows: Sequence[Row]) -> dict[str, Any]:
+    """Return the report's line on the drives of one map that must end alike."""
     answers = [row["answer"] for row in rows]
     clear = [float(row["clearance_mm"]) for row in rows if row["clearance_mm"] is not None]
     spent = [float(row["plan_cpu_s"] or 0.0) for row in rows]
     return {
-        "map": name,
+        "map": rows[0]["map"],
+        "expect": rows[0]["expect"],
         "pieces": rows[0]["pieces"],
         "drives": len(rows),
         **{status.value: answers.count(status.value) for status in PlanStatus},
