@@ -18,6 +18,9 @@ from .trajectory import Trajectory
 from .twist_section import TwistSection
 from .vehicle import Vehicle
 
+TOLERANCE = 2e-4
+"""How far the proven clearance may stay below the true one [m]; the same as for plans."""
+
 LONGEST = 2000.0
 """Progress [m or rad] beyond which a motion is not judged in one piece."""
 
@@ -105,7 +108,7 @@ def verify(scene: Scene, motion: Path | Trajectory | ArrayLike) -> Verification:
             value=f"{path.span:.0f} m",
             allowed=f"up to {LONGEST:.0f} m; cut it into parts",
         )
-    certificate = certify(scene.world, scene.vehicle, motion)
+    certificate = certify(scene.world, scene.vehicle, motion, tolerance=TOLERANCE)
     if isinstance(motion, Trajectory):
         limits = check_limits(motion, scene.vehicle)
     else:
