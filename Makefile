@@ -49,7 +49,7 @@ bench: setup-dev ## benchmarks, with their ratios to the plain formulation
 
 lock: ## write both lock files again (needs uv)
 	uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-emit-index-url --no-emit-find-links --no-header pyproject.toml requirements/build.in -o requirements/user.lock
-	uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-emit-index-url --no-emit-find-links --no-header pyproject.toml requirements/build.in --extra dev -c requirements/user.lock -o requirements/dev.lock
+	uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-emit-index-url --no-emit-find-links --no-header pyproject.toml requirements/build.in --extra dev --extra view -c requirements/user.lock -o requirements/dev.lock
 
 clean: ## remove .venv and out/
 	rm -rf .venv $(OUT)

@@ -1,4 +1,4 @@
-"""What planners and trackers look like from outside, and the outcome of a plan."""
+"""What planners, trackers, controllers and drivers look like from outside; what they exchange."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import Protocol
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from .clearance import Certificate
@@ -97,5 +98,62 @@ class Tracker(Protocol):
         Args:
             time: Time since the start [s]; increases from call to call.
             pose: Pose the chair believes to have, shape (3,), [m, m, rad].
+        """
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Percept:
+    """What the chair knows of what stands around it at a control step, seen now or remembered.
+
+    Attributes:
+        time: When the sensor that has been silent longest last spoke [s]; the difference to now is
+            how blind the chair is. Minus infinity: none has spoken yet.
+        points: Points of obstacles in the body frame, z above the floor, shape (N, 3), [m].
+        spread: An obstacle may reach this far beyond a point, seen from above [m]: half the
+            diagonal of a cell for a map, 0 for a sensor's own points.
+        unknown: Places around the chair of which nothing is known, body frame, shape (M, 2), [m];
+            never to be taken for free.
+    """
+
+    time: float
+    points: Array
+    spread: float = 0.0
+    unknown: Array = field(default_factory=lambda: np.zeros((0, 2)))
+
+    def __post_init__(self) -> None:
+        """Check the shapes."""
+        for name, width in (("points", 3), ("unknown", 2)):
+            rows = np.asarray(getattr(self, name), dtype=float)
+            if rows.ndim != 2 or rows.shape[1] != width:
+                raise ShapeError(f"{name} must have shape (N, {width}), got {rows.shape}")
+            object.__setattr__(self, name, rows)
+
+
+class Controller(Protocol):
+    """Anything that drives by what it perceives, one control period at a time."""
+
+    @property
+    def progress(self) -> float:
+        """Progress the controller believes to have made; of its own measure, increasing."""
+        ...
+
+    @property
+    def finished(self) -> bool:
+        """Whether it has arrived or given up; a finished controller commands a stop."""
+        ...
+
+    @property
+    def signals(self) -> Mapping[str, float]:
+        """Figures of the last step for records and plots; the same names at every step."""
+        ...
+
+    def step(self, time: float, pose: ArrayLike, percept: Percept) -> Array:
+        """Return the command [v, omega] for the coming control period, (2,), [m/s, rad/s].
+
+        Args:
+            time: Time since the start [s]; increases from call to call.
+            pose: Pose the chair believes to have, shape (3,), [m, m, rad].
+            percept: What it knows of its surroundings now.
         """
         ...

@@ -56,10 +56,11 @@ OWNERS = {
     "casadi": {"nlp", "quadratic", "planners", "tracking", "studies"},
     "click": {"cli"},
     "tqdm": {"cli", "studies"},
-    "numba": {"planners", "perception", "simulation"},
+    "numba": {"planners", "perception", "reactive", "simulation"},
     "pydantic": {"scene_model", "scene_problems"},
     "ruamel": {"scene_text", "scene_write", "maps"},
     "ruckig": {"planners"},
+    "viser": {"viewer"},
     "PIL": {"maps", "studies"},
 }
 """Libraries that only some rooms may import, at any depth."""
