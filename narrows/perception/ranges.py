@@ -102,8 +102,7 @@ class LaserScan:
     @property
     def angles(self) -> Array:
         """Angle of each beam in the sensor's frame, shape (N,), [rad]."""
-        angles: Array = self.first_angle + self.step * np.arange(len(self.ranges))
-        return angles
+        return np.asarray(self.first_angle + self.step * np.arange(len(self.ranges)))
 
     @cached_property
     def beams(self) -> NDArray[np.uint8]:
