@@ -9,27 +9,17 @@ from typing import Any
 import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.patches import PathPatch
 
 from narrows import bezier
-from narrows.se2 import Array, transform
+from narrows.se2 import Array
 from narrows.vehicle import Vehicle
 from narrows.world import World
 
 from . import palette
-from .scene_drawing import outline_of, solid_areas
-from .view_box import ViewBox
+from .study_axes import draw_body, draw_room, new_figure, study_style
 
-_STYLE: dict[Any, Any] = {
-    "font.family": ["DejaVu Sans"],
-    "font.size": 12,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "svg.hashsalt": "narrows",
-}
-_DPI = 100
+_STYLE = study_style(12)
 # Told apart by dashes too, for eyes and printers without colour.
 _LINES: tuple[tuple[str, Any], ...] = (
     (palette.BLUE, "-"),
@@ -67,29 +57,6 @@ class DrawnTrajectory:
     depth_mm: float = 0.0
 
 
-def _figure(width: float, height: float) -> Figure:
-    figure = Figure(figsize=(width, height), dpi=_DPI, layout="constrained")
-    FigureCanvasAgg(figure)
-    return figure
-
-
-def _draw_world(axes: Axes, world: World, view: ViewBox) -> None:
-    patch = PathPatch(outline_of(solid_areas(world, view)))
-    patch.set(facecolor=palette.WALL, edgecolor="black", linewidth=0.5, zorder=1)
-    axes.add_patch(patch)
-    axes.set_xlim(view[0], view[2])
-    axes.set_ylim(view[1], view[3])
-    axes.set_aspect("equal")
-    axes.set_xlabel("x [m]")
-    axes.set_ylabel("y [m]")
-
-
-def _draw_body(axes: Axes, pose: Array, vehicle: Vehicle, label: str | None = None) -> None:
-    body = transform(pose, vehicle.outline)
-    closed = np.concatenate([body, body[:1]])
-    axes.plot(*closed.T, color=palette.REFUSED, linewidth=1.6, zorder=5, label=label)
-
-
 def trajectories_figure(
     world: World, vehicle: Vehicle, scenarios: Mapping[str, Sequence[DrawnTrajectory]]
 ) -> Figure:
@@ -99,16 +66,16 @@ def trajectories_figure(
     scenario.
     """
     with matplotlib.rc_context(_STYLE):
-        figure = _figure(12.0, 6.8)
+        figure = new_figure(12.0, 6.8)
         panels = figure.subplots(1, len(scenarios), squeeze=False)[0]
         views = {"A": (-1.2, 0.0, 3.3, 4.0), "B": (-0.4, 0.0, 4.1, 4.0)}
         for axes, (scenario, drawn) in zip(panels, scenarios.items(), strict=True):
-            _draw_world(axes, world, views.get(scenario, (-1.0, 0.0, 3.5, 4.0)))
+            draw_room(axes, world, views.get(scenario, (-1.0, 0.0, 3.5, 4.0)))
             for (colour, _), one in zip(_LINES, drawn, strict=False):
                 _draw_trajectory(axes, one, colour)
             worst = max(drawn, key=lambda one: one.depth_mm)
             if worst.hit is not None:
-                _draw_body(axes, worst.hit, vehicle)
+                draw_body(axes, worst.hit, vehicle, palette.REFUSED)
                 text = f"the chair on {worst.name}\ncuts {worst.depth_mm:.0f} mm into the jamb"
                 axes.annotate(
                     text,
@@ -182,7 +149,7 @@ def _zoom(axes: Axes, one: DrawnTrajectory, colour: str, *, left: bool) -> None:
 def errors_figure(drawn: Sequence[DrawnTrajectory]) -> Figure:
     """Return yaw rate and look-ahead error over the curve parameter [DoorBezier, Fig. 6]."""
     with matplotlib.rc_context(_STYLE):
-        figure = _figure(12.0, 7.0)
+        figure = new_figure(12.0, 7.0)
         above, below = figure.subplots(2, 1, sharex=True)
         for (colour, style), one in zip(_LINES, drawn, strict=False):
             above.plot(one.parameter, one.omega, color=colour, ls=style, lw=2.2, label=one.name)
@@ -229,9 +196,9 @@ def obstacles_figure(
         text: What is to be said of it.
     """
     with matplotlib.rc_context(_STYLE):
-        figure = _figure(12.0, 9.0)
+        figure = new_figure(12.0, 9.0)
         axes = figure.subplots()
-        _draw_world(axes, world, (-0.9, 0.1, 3.6, 4.0))
+        draw_room(axes, world, (-0.9, 0.1, 3.6, 4.0))
         lines = ((palette.ORANGE, (0, (6, 2))), (palette.BLUE, "-"))
         for (colour, style), (label, control) in zip(lines, curves.items(), strict=False):
             points = bezier.evaluate(control[:, None], np.linspace(0.0, 1.0, 200)).reshape(-1, 2)
@@ -253,7 +220,8 @@ def obstacles_figure(
                     zorder=6,
                 )
         if hit is not None:
-            _draw_body(axes, hit, vehicle, "chair where it cuts deepest")
+            label = "chair where it cuts deepest"
+            draw_body(axes, hit, vehicle, palette.REFUSED, label=label)
         axes.legend(loc="upper right", fontsize=12)
         axes.set_title(text, fontsize=13)
     return figure

@@ -10,7 +10,6 @@ from typing import Any
 import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 from matplotlib.ticker import LogLocator, NullFormatter
@@ -21,16 +20,10 @@ from narrows.se2 import Array
 
 from . import palette
 from .scene_drawing import draw_ends, draw_world, outline_of, swept_area
+from .study_axes import new_figure, study_style
 from .view_box import view_box
 
-_STYLE: dict[Any, Any] = {
-    "font.family": ["DejaVu Sans"],
-    "font.size": 11,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "svg.hashsalt": "narrows",
-}
-_DPI = 100
+_STYLE = study_style(11)
 # Colour, dashes, marker: told apart without colour too. The order is that of the planners.
 _LOOKS: tuple[tuple[str, Any, str], ...] = (
     (palette.BLUE, "-", "o"),
@@ -84,8 +77,7 @@ def scene_figure(
         text: What the first planner says.
     """
     with matplotlib.rc_context(_STYLE):
-        figure = Figure(figsize=(12.0, 8.2), dpi=_DPI, layout="constrained")
-        FigureCanvasAgg(figure)
+        figure = new_figure(12.0, 8.2)
         left, right = figure.subplots(1, 2, width_ratios=[1.35, 1.0])
         view = view_box(scene, [way.path for way in ways])
         draw_world(left, scene, view)
@@ -156,8 +148,7 @@ def summary_figure(
         levels: The levels from left to right.
     """
     with matplotlib.rc_context(_STYLE):
-        figure = Figure(figsize=(12.0, 9.0), dpi=_DPI, layout="constrained")
-        FigureCanvasAgg(figure)
+        figure = new_figure(12.0, 9.0)
         panels = figure.subplots(2, 2)
         _draw_shares(panels[0, 0], rows, planners, levels)
         quantities = (

@@ -9,27 +9,20 @@ from typing import Any
 import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 
 from narrows.path import Path
-from narrows.se2 import Array, transform
+from narrows.se2 import Array
 from narrows.vehicle import Vehicle
 from narrows.world import World
 
 from . import palette
-from .scene_drawing import outline_of, solid_areas, swept_area
+from .scene_drawing import outline_of, swept_area
+from .study_axes import draw_body, draw_room, new_figure, study_style
 from .view_box import ViewBox
 
-_STYLE: dict[Any, Any] = {
-    "font.family": ["DejaVu Sans"],
-    "font.size": 12,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "svg.hashsalt": "narrows",
-}
-_DPI = 100
+_STYLE = study_style(12)
 # Told apart by dashes too, for eyes and printers without colour.
 _LINES: tuple[tuple[str, Any], ...] = (
     (palette.RED, (0, (6, 2))),
@@ -78,25 +71,8 @@ class DrawnCurve:
     offset: tuple[float, float] = (10.0, 10.0)
 
 
-def _figure(width: float, height: float) -> Figure:
-    figure = Figure(figsize=(width, height), dpi=_DPI, layout="constrained")
-    FigureCanvasAgg(figure)
-    return figure
-
-
-def _draw_world(axes: Axes, world: World, view: ViewBox) -> None:
-    patch = PathPatch(outline_of(solid_areas(world, view)))
-    patch.set(facecolor=palette.WALL, edgecolor="black", linewidth=0.5, zorder=1)
-    axes.add_patch(patch)
-    axes.set_xlim(view[0], view[2])
-    axes.set_ylim(view[1], view[3])
-    axes.set_aspect("equal")
-    axes.set_xlabel("x [m]")
-
-
-def _draw_body(axes: Axes, pose: Array, vehicle: Vehicle, colour: str) -> None:
-    body = transform(pose, vehicle.outline)
-    axes.plot(*np.concatenate([body, body[:1]]).T, color=colour, linewidth=1.6, zorder=5)
+def _draw_start(axes: Axes, pose: Array, vehicle: Vehicle, colour: str) -> None:
+    draw_body(axes, pose, vehicle, colour)
     axes.plot(pose[0], pose[1], "o", color=colour, markersize=5, zorder=6)
 
 
@@ -104,16 +80,16 @@ def turns_figure(world: World, vehicle: Vehicle, turns: Sequence[DrawnTurn]) -> 
     """Return the swept bodies of turns round one corner, side by side."""
     view: ViewBox = (-2.1, -0.15, 1.5, 3.4)
     with matplotlib.rc_context(_STYLE):
-        figure = _figure(12.0, 5.0)
+        figure = new_figure(12.0, 5.0)
         panels = figure.subplots(1, len(turns), sharey=True, squeeze=False)[0]
         for axes, turn, (colour, style) in zip(panels, turns, _LINES, strict=False):
-            _draw_world(axes, world, view)
+            draw_room(axes, world, view)
             patch = PathPatch(outline_of(swept_area(vehicle.outline, turn.path)))
             patch.set(facecolor=colour, alpha=0.22, edgecolor=colour, linewidth=1.0, zorder=0.8)
             axes.add_patch(patch)
             points = turn.path(np.linspace(0.0, turn.path.span, 300))
             axes.plot(points[:, 0], points[:, 1], color=colour, ls=style, linewidth=2.2, zorder=4)
-            _draw_body(axes, turn.turn_start, vehicle, palette.INK)
+            _draw_start(axes, turn.turn_start, vehicle, palette.INK)
             if turn.touching is not None:
                 axes.plot(
                     *turn.touching, "o", color=palette.INK, ms=11, mfc="none", mew=1.8, zorder=7
@@ -130,7 +106,7 @@ def curves_figure(
 ) -> Figure:
     """Return curves with their marks, the region below zero shaded where it is in view."""
     with matplotlib.rc_context(_STYLE):
-        figure = _figure(12.0, 6.0)
+        figure = new_figure(12.0, 6.0)
         axes = figure.subplots()
         lines = (*_LINES, (palette.PINK, (0, (1.5, 1.2))), (palette.ORANGE, (0, (8, 2, 1, 2))))
         for curve, (colour, style) in zip(curves, lines, strict=False):
@@ -176,15 +152,15 @@ def executed_figure(
         clearances: Least clearance of all drives by the arc's name, shape (K,), [mm].
     """
     with matplotlib.rc_context(_STYLE):
-        figure = _figure(12.0, 6.2)
+        figure = new_figure(12.0, 6.2)
         left, right = figure.subplots(1, 2, width_ratios=(1.0, 1.15))
-        _draw_world(left, world, (-2.1, -0.15, 1.5, 3.4))
+        draw_room(left, world, (-2.1, -0.15, 1.5, 3.4))
         left.set_ylabel("y [m]")
         for (colour, style), (name, rows) in zip(_LINES, drives.items(), strict=False):
             for number, poses in enumerate(rows):
                 label = name if number == 0 else None
                 left.plot(poses[:, 0], poses[:, 1], color=colour, ls=style, lw=1.2, label=label)
-            _draw_body(left, rows[0][0], vehicle, colour)
+            _draw_start(left, rows[0][0], vehicle, colour)
         left.legend(loc="upper left", fontsize=11, framealpha=0.95)
         left.set_title("drive axle, true; bodies where they measure", fontsize=12)
         everything = np.concatenate(list(clearances.values()))

@@ -9,26 +9,17 @@ from typing import Any
 import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.patches import PathPatch
 
 from narrows.path import Path
 from narrows.scene import Scene
 from narrows.se2 import Array, transform
 
 from . import palette
-from .scene_drawing import outline_of, solid_areas
+from .study_axes import draw_room, new_figure, study_style
 from .view_box import ViewBox
 
-_STYLE: dict[Any, Any] = {
-    "font.family": ["DejaVu Sans"],
-    "font.size": 11,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "svg.hashsalt": "narrows",
-}
-_DPI = 100
+_STYLE = study_style(11)
 # Told apart by shape and dashes too, for eyes and printers without colour.
 _LOOKS: tuple[tuple[str, str, Any], ...] = (
     (palette.BLUE, "o", "-"),
@@ -75,17 +66,11 @@ class Spread:
     worst: float
 
 
-def _figure(width: float, height: float) -> Figure:
-    figure = Figure(figsize=(width, height), dpi=_DPI, layout="constrained")
-    FigureCanvasAgg(figure)
-    return figure
-
-
 def errors_figure(drives: Mapping[str, Sequence[DrawnDrive]]) -> Figure:
     """Return cross-track errors along plans, a panel each, nominal chair."""
     with matplotlib.rc_context(_STYLE):
         rows = -(-len(drives) // 2)
-        figure = _figure(11.0, 3.0 * rows + 0.6)
+        figure = new_figure(11.0, 3.0 * rows + 0.6)
         panels = figure.subplots(rows, 2, squeeze=False).ravel()
         for axes, (plan, driven) in zip(panels, drives.items(), strict=False):
             for (colour, _, dashes), one in zip(_LOOKS, driven, strict=False):
@@ -108,7 +93,7 @@ def errors_figure(drives: Mapping[str, Sequence[DrawnDrive]]) -> Figure:
 def spreads_figure(spreads: Mapping[str, Sequence[Spread]]) -> Figure:
     """Return the deviations under every disturbance: mean with its interval, and the worst."""
     with matplotlib.rc_context(_STYLE):
-        figure = _figure(11.0, 0.62 * len(spreads) + 1.6)
+        figure = new_figure(11.0, 0.62 * len(spreads) + 1.6)
         axes = figure.subplots()
         for row, several in enumerate(spreads.values()):
             places = row + np.linspace(-0.28, 0.28, max(len(several), 2))
@@ -143,7 +128,7 @@ def drives_figure(
     """Return plans between their solids, the body along them, and how they were driven."""
     with matplotlib.rc_context(_STYLE):
         rows = -(-len(drives) // 2)
-        figure = _figure(11.0, 5.0 * rows)
+        figure = new_figure(11.0, 5.0 * rows)
         panels = figure.subplots(rows, 2, squeeze=False).ravel()
         for axes, (plan, (scene, path, driven)) in zip(panels, drives.items(), strict=False):
             _draw_scene(axes, scene, path)
@@ -168,17 +153,10 @@ def _draw_scene(axes: Axes, scene: Scene, path: Path) -> None:
     corners = transform(path(np.linspace(0.0, path.span, 60)), scene.vehicle.outline)
     low, high = corners.min(axis=(0, 1)) - 0.35, corners.max(axis=(0, 1)) + 0.35
     view: ViewBox = (float(low[0]), float(low[1]), float(high[0]), float(high[1]))
-    patch = PathPatch(outline_of(solid_areas(scene.world, view)))
-    patch.set(facecolor=palette.WALL, edgecolor="black", linewidth=0.5, zorder=1)
-    axes.add_patch(patch)
+    draw_room(axes, scene.world, view)
     for body in corners[::6]:
         closed = np.concatenate([body, body[:1]])
         axes.plot(*closed.T, color=palette.OUTLINE, linewidth=0.7, alpha=0.6, zorder=2)
-    axes.set_xlim(view[0], view[2])
-    axes.set_ylim(view[1], view[3])
-    axes.set_aspect("equal")
-    axes.set_xlabel("x [m]")
-    axes.set_ylabel("y [m]")
 
 
 def _finish(axes: Axes, title: str, abscissa: str, ordinate: str) -> None:
