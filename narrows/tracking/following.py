@@ -14,12 +14,10 @@ from ..path import Path
 from ..se2 import Array
 from ..trajectory import Trajectory
 from ..vehicle import Vehicle
+from .clock import Clock
 from .delay import DelayPrediction
 from .legs import Leg, legs_of
 from .pace import LimitedPace, Pace, TimedPace
-
-PERIOD = 0.02
-"""Control period assumed at the first step [s]; later ones are measured."""
 
 
 @dataclass(frozen=True)
@@ -127,7 +125,7 @@ class LegFollower:
         else:
             self._pace = LimitedPace(self._legs, vehicle, speed=options.speed)
         self._prediction = DelayPrediction(options.delay)
-        self._time = -math.inf
+        self._clock = Clock()
         self._reached = 0.0
         self._begin(0)
 
@@ -151,10 +149,7 @@ class LegFollower:
     def step(self, time: float, pose: ArrayLike) -> Array:
         """Return the command for the coming period; zero once finished. See `Tracker.step`."""
         x, y, heading = (float(value) for value in np.asarray(pose, dtype=float))
-        period = time - self._time if math.isfinite(self._time) else PERIOD
-        if period <= 0.0:
-            raise ShapeError(f"time must increase from step to step, got {time} s twice")
-        self._time = time
+        period = self._clock.tick(time)
         v, omega = 0.0, 0.0
         if not self.finished:
             v, omega = self._command(*self._prediction.predict(time, x, y, heading), period)
@@ -195,6 +190,34 @@ class LegFollower:
         if self._near > leg.end:
             rate = self._options.turn_gain * (leg.end - self._near)
         return sense * rate
+
+
+class LawTracker:
+    """A tracker that is a steering law and how it is followed; see `interfaces.Tracker`."""
+
+    def __init__(
+        self,
+        motion: Path | Trajectory,
+        vehicle: Vehicle,
+        law: SteeringLaw,
+        options: FollowingOptions,
+    ) -> None:
+        """Table the path; arguments as for `LegFollower`."""
+        self._follower = LegFollower(motion, vehicle, law, options)
+
+    @property
+    def progress(self) -> float:
+        """Greatest progress along the path reached so far, [m] or [rad]."""
+        return self._follower.progress
+
+    @property
+    def finished(self) -> bool:
+        """Whether the end of the path is reached or passed."""
+        return self._follower.finished
+
+    def step(self, time: float, pose: ArrayLike) -> Array:
+        """Return the command for the coming period; zero once finished. See `Tracker.step`."""
+        return self._follower.step(time, pose)
 
 
 def travel_frame(leg: Leg, progress: float) -> tuple[float, float, float]:

@@ -15,7 +15,7 @@ from ..trajectory import Trajectory
 from ..vehicle import Vehicle
 from .following import (
     FollowingOptions,
-    LegFollower,
+    LawTracker,
     Place,
     mean_curvature,
     travel_angle,
@@ -189,7 +189,7 @@ class _Projection:
         return self._law.steer(jet, place.angle, place.angle, rate)
 
 
-class LinearizingTracker:
+class LinearizingTracker(LawTracker):
     """Feedback linearisation of the distance to the path [NarrowArcs, Eqs. (4.3), (4.4)].
 
     With critical gains and no delay the distance f to the path decays as (1 + s/d) exp(-s/d) over
@@ -218,21 +218,7 @@ class LinearizingTracker:
         """
         self.options = LinearizingOptions() if options is None else options
         law = _Projection(_Law(vehicle, self.options))
-        self._follower = LegFollower(motion, vehicle, law, self.options.following)
-
-    @property
-    def progress(self) -> float:
-        """Greatest progress along the path reached so far, [m] or [rad]."""
-        return self._follower.progress
-
-    @property
-    def finished(self) -> bool:
-        """Whether the end of the path is reached or passed."""
-        return self._follower.finished
-
-    def step(self, time: float, pose: ArrayLike) -> Array:
-        """Return the command for the coming period; zero once finished. See `Tracker.step`."""
-        return self._follower.step(time, pose)
+        super().__init__(motion, vehicle, law, self.options.following)
 
 
 class LevelTracker:

@@ -13,11 +13,9 @@ from ..path import Path
 from ..se2 import Array
 from ..trajectory import Trajectory
 from ..vehicle import Vehicle
+from .clock import Clock
 from .legs import Leg, legs_of
 from .pace import ConstantPace, LimitedPace, Pace, TimedPace
-
-PERIOD = 0.02
-"""Control period assumed at the first step [s]; later ones are measured."""
 
 _REACH = 0.15  # m: how far from its last place a foot is looked for, several periods of travel
 _OFFSET_STEP = 0.01  # m: rows of the table of the look-ahead point's own offset
@@ -153,7 +151,7 @@ class LookaheadTracker:
         self._legs = legs_of(path)
         self._pace = self._pace_for(motion, vehicle)
         self._offsets = [self._own_offsets(leg) for leg in self._legs]
-        self._time = -math.inf
+        self._clock = Clock()
         self._reached = 0.0
         self._begin(0)
 
@@ -187,10 +185,7 @@ class LookaheadTracker:
     def step(self, time: float, pose: ArrayLike) -> Array:
         """Return the command for the coming period; zero once finished. See `Tracker.step`."""
         x, y, heading = (float(value) for value in np.asarray(pose, dtype=float))
-        period = time - self._time if math.isfinite(self._time) else PERIOD
-        if period <= 0.0:
-            raise ShapeError(f"time must increase from step to step, got {time} s twice")
-        self._time = time
+        period = self._clock.tick(time)
         if self.finished:
             return np.zeros(2)
         leg = self._legs[self._index]

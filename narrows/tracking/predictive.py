@@ -8,12 +8,12 @@ import time as clocks
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..errors import ShapeError
 from ..path import Path
 from ..se2 import Array
 from ..trajectory import Trajectory
 from ..vehicle import Vehicle
 from ..world import World
+from .clock import Clock
 from .delay import DelayPrediction
 from .legs import Leg, legs_of
 from .predictive_options import PredictiveOptions, StepStatus
@@ -79,7 +79,7 @@ class PredictiveTracker:
         self._ends = np.cumsum(self._program.shape.steps)
         self._middles = self._ends - 0.5 * np.array(self._program.shape.steps)
         self._prediction = DelayPrediction(self.options.delay)
-        self._time = -math.inf
+        self._ticks = Clock(self.options.period)
         self._reached = 0.0
         self._last = np.zeros(2)
         self._acceleration = 0.0
@@ -130,10 +130,7 @@ class PredictiveTracker:
         """Return the command for the coming period; zero once finished. See `Tracker.step`."""
         begun = clocks.thread_time()
         x, y, heading = (float(value) for value in np.asarray(pose, dtype=float))
-        period = time - self._time if math.isfinite(self._time) else self.options.period
-        if period <= 0.0:
-            raise ShapeError(f"time must increase from step to step, got {time} s twice")
-        self._time = time
+        period = self._ticks.tick(time)
         command = np.zeros(2)
         if not self.finished:
             ahead = self._prediction.predict(time, x, y, heading)

@@ -6,16 +6,13 @@ import math
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from numpy.typing import ArrayLike
-
 from ..errors import ShapeError
 from ..path import Path
-from ..se2 import Array
 from ..trajectory import Trajectory
 from ..vehicle import Vehicle
 from .following import (
     FollowingOptions,
-    LegFollower,
+    LawTracker,
     Place,
     mean_curvature,
     travel_angle,
@@ -157,7 +154,7 @@ class _Law:
         return rate, asked.yaw_rate
 
 
-class VirtualTargetTracker:
+class VirtualTargetTracker(LawTracker):
     """Follows a target that runs along the path at a speed the law chooses.
 
     The target need not be the point nearest to the chair, so there is no closest-point
@@ -193,18 +190,4 @@ class VirtualTargetTracker:
         """
         self.options = VirtualTargetOptions() if options is None else options
         law = _Law(self.options.gains)
-        self._follower = LegFollower(motion, vehicle, law, self.options.following)
-
-    @property
-    def progress(self) -> float:
-        """Greatest progress of the target so far, [m] or [rad]."""
-        return self._follower.progress
-
-    @property
-    def finished(self) -> bool:
-        """Whether the target is at the end of the path."""
-        return self._follower.finished
-
-    def step(self, time: float, pose: ArrayLike) -> Array:
-        """Return the command for the coming period; zero once finished. See `Tracker.step`."""
-        return self._follower.step(time, pose)
+        super().__init__(motion, vehicle, law, self.options.following)
