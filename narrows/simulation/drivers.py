@@ -1,0 +1,286 @@
+"""Scripted drivers: people who see the world, know their way, and err in ways that have names.
+
+A driver sees the true surfaces around within their view (`driver_sight.py`), judges wrongly where
+the chair points and where its sides are, knows their way as a line through doors
+(`driver_route.py`), and moves a stick: [forward, left], each -1 to 1. They know neither the
+assistant nor its map; what it does they notice by how the chair moves.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..se2 import Array, compose, exponential
+from ..vehicle import Vehicle
+from .driver_hand import LAG, Hand
+from .driver_route import Route
+from .driver_sight import Sight, free_travel
+from .driver_traits import Traits
+from .noise import GaussMarkov
+
+_THINKS = 0.1  # s: a hand is told where to go ten times a second
+_MEMORIES = {"heading": 1.0, "judgement": 3.0}  # s
+_PIVOT, _PIVOTED = math.radians(65.0), math.radians(25.0)  # from, until: they turn on the spot
+_CHAIR = 0.1  # s: how late they know the chair to be
+_ARRIVED = 0.35  # m from the end of their way: they are there
+_STEP, _STEPS = 0.06, 24  # m, -: how finely and far they imagine a curve
+_SWERVES = np.array([0.0, 0.15, -0.15, 0.35, -0.35, 0.6, -0.6, 1.0, -1.0, 1.6, -1.6])  # 1/m
+_WANTED = 0.5  # m of free way wanted ahead at least; with less they look for another curve
+_TIGHT = 0.25  # m beside the chair from which on narrowness slows nobody
+_STILL = (0.04, 0.06)  # m/s, rad/s: slower is not moving
+
+
+class Driver(Protocol):
+    """Anybody who holds the stick."""
+
+    @property
+    def finished(self) -> bool:
+        """Whether they are where they wanted to be; the hand then rests."""
+        ...
+
+    @property
+    def progress(self) -> float:
+        """How far along their way they are [m]."""
+        ...
+
+    def step(self, time: float, pose: ArrayLike, motion: ArrayLike) -> Array:
+        """Return the stick [forward, left], each -1 to 1, shape (2,).
+
+        Args:
+            time: Time [s]; increases from call to call.
+            pose: True pose of the chair they sit in, shape (3,), [m, m, rad].
+            motion: How the chair moves, [v, omega], as they feel it [m/s, rad/s].
+        """
+        ...
+
+
+@dataclass
+class _Mind:
+    """What a driver is about: one of driving, turning on the spot, backing off."""
+
+    doing: str = "driving"
+    leg: int = 0
+    progress: float = 0.0
+    furthest: float = 0.0
+    tries: int = 0
+    stuck_since: float = math.inf
+    back_until: float = -math.inf
+    back_left: float = 0.0
+    side: float = 0.0
+
+
+class ScriptedDriver:
+    """A person of given traits on the way along routes, one after the other."""
+
+    def __init__(
+        self,
+        traits: Traits,
+        routes: tuple[Route, ...],
+        sight: Sight,
+        vehicle: Vehicle,
+        rng: np.random.Generator,
+    ) -> None:
+        """Seat a driver.
+
+        Args:
+            traits: Who they are.
+            routes: Their ways in order; at the end of one they turn round to the next.
+            sight: Their eyes.
+            vehicle: The chair: its size as they know it, its speeds at full stick.
+            rng: Source of their errors.
+        """
+        self._traits, self._routes, self._sight = traits, routes, sight
+        self._rng = rng
+        self._errors = {
+            "heading": GaussMarkov(traits.heading_noise, _MEMORIES["heading"], rng),
+            "judgement": GaussMarkov(traits.judgement, _MEMORIES["judgement"], rng),
+        }
+        self._hand = Hand(traits, rng)
+        low, high = vehicle.outline.min(axis=0), vehicle.outline.max(axis=0)
+        self._body = np.array([low[0], high[0], low[1], high[1]])
+        self._full = (vehicle.limits.speed, vehicle.limits.yaw_rate)
+        self._mind = _Mind()
+        self._thought = -math.inf
+        self._lapsed_until = -math.inf
+
+    @property
+    def finished(self) -> bool:
+        """See `Driver`."""
+        return self._mind.leg >= len(self._routes)
+
+    @property
+    def progress(self) -> float:
+        """See `Driver`."""
+        done = sum(route.length for route in self._routes[: self._mind.leg])
+        return done if self.finished else done + self._mind.progress
+
+    def step(self, time: float, pose: ArrayLike, motion: ArrayLike) -> Array:
+        """See `Driver`."""
+        if time >= self._thought + _THINKS - 1e-9:
+            self._thought = time
+            place = np.asarray(pose, dtype=float)
+            self._think(time, place, np.asarray(motion, dtype=float))
+        stick = self._hand.move(time)
+        return np.zeros(2) if self.finished else stick
+
+    def _think(self, time: float, pose: Array, motion: Array) -> None:
+        """Decide where the hand shall go after the reaction time; nothing during a lapse."""
+        if time < self._lapsed_until:
+            return
+        if self._rng.random() < self._traits.lapse_rate * _THINKS:
+            self._lapsed_until = time + self._traits.lapse_time
+            return
+        self._hand.mean(time, self._decide(time, pose, motion))
+
+    def _decide(self, time: float, pose: Array, motion: Array) -> tuple[float, float]:
+        """Return where the stick shall be, [forward, left]."""
+        mind = self._mind
+        self._advance(pose)
+        if self.finished:
+            return 0.0, 0.0
+        heading_error = self._errors["heading"].step(_THINKS)
+        aside = self._errors["judgement"].step(_THINKS)
+        self._notice_standing(time, motion)
+        if mind.doing == "backing":
+            return self._back_off(time, pose, motion, aside)
+        points = self._sight.look(time, pose) + np.array([0.0, aside])
+        preview = self._traits.preview
+        soon = self._foreseen(pose, motion)
+        target = self._direction(soon, mind.progress + preview) + heading_error
+        if mind.doing == "driving" and abs(target) > _PIVOT:
+            mind.doing, mind.side = "turning", 0.0
+        elif mind.doing == "turning" and abs(target) < _PIVOTED:
+            mind.doing = "driving"
+        if mind.doing == "turning":
+            return self._turn(points, target)
+        return self._drive(points, self._curve(soon, heading_error), target)
+
+    def _advance(self, pose: Array) -> None:
+        """Find out how far along the way the chair is, and whether it has arrived."""
+        mind = self._mind
+        route = self._routes[min(mind.leg, len(self._routes) - 1)]
+        mind.progress = route.progress_of(float(pose[0]), float(pose[1]), mind.progress)
+        if mind.progress > mind.furthest + 0.4:
+            mind.furthest, mind.tries = mind.progress, 0
+        end_x, end_y = route.at(route.length)
+        near = math.hypot(pose[0] - end_x, pose[1] - end_y) < _ARRIVED
+        if near and mind.progress > route.length - 2.0 * _ARRIVED:
+            mind.leg, mind.progress, mind.furthest, mind.tries = mind.leg + 1, 0.0, 0.0, 0
+
+    def _notice_standing(self, time: float, motion: Array) -> None:
+        """Back off once the chair has not moved for as long as patience lasts."""
+        mind = self._mind
+        if abs(motion[0]) > _STILL[0] or abs(motion[1]) > _STILL[1] or mind.doing == "backing":
+            mind.stuck_since = math.inf
+            return
+        mind.stuck_since = min(mind.stuck_since, time)
+        if time - mind.stuck_since > self._traits.patience + self._traits.reaction_time:
+            mind.tries += 1
+            mind.doing = "backing"
+            mind.back_left = 0.35 + 0.2 * min(mind.tries, 4) + 0.2 * self._rng.random()
+            mind.back_until = time + 6.0
+            mind.stuck_since = math.inf
+
+    def _curve(self, pose: Array, misread: float) -> float:
+        """Return the curvature that leads back to the way within about a preview [1/m].
+
+        With y beside the way and th off its direction, kappa = kappa_way - 2 th / d - y / d^2:
+        errors decay over d = 0.45 preview.
+        """
+        mind, d = self._mind, 0.45 * self._traits.preview
+        route = self._routes[mind.leg]
+        here = route.progress_of(float(pose[0]), float(pose[1]), mind.progress)
+        x, y = route.at(here)
+        heading = route.heading(here)
+        beside = (pose[1] - y) * math.cos(heading) - (pose[0] - x) * math.sin(heading)
+        off = math.remainder(pose[2] - misread - heading, 2.0 * math.pi)
+        back = max(-0.9, min(0.9, -0.5 * float(beside) / d))  # rad: the angle to come back at
+        return route.bend(here, 0.15) + 2.0 * (back - off) / d
+
+    def _direction(self, pose: Array, progress: float) -> float:
+        """Return the direction of a place of the route, from straight ahead [rad]."""
+        x, y = self._routes[self._mind.leg].at(progress)
+        return math.remainder(math.atan2(y - pose[1], x - pose[0]) - pose[2], 2.0 * math.pi)
+
+    def _foreseen(self, pose: Array, motion: Array) -> Array:
+        """Return where the chair will be once the hand has moved: everybody reckons with that."""
+        half = 0.5 * (self._traits.reaction_time + LAG + _CHAIR)
+        v, turn = self._hand.meant
+        meant = np.array([v * self._full[0], turn * self._full[1]])
+        for moving in (motion, 0.5 * (motion + meant)):
+            pose = compose(pose, exponential([moving[0] * half, 0.0, moving[1] * half]))
+        return pose
+
+    def _grown(self, points: Array, margin: float) -> tuple[Array, Array]:
+        """Return the body with what they want around it, and the points not yet within that."""
+        body = self._body + margin * np.array([-1.0, 1.0, -1.0, 1.0])
+        x, y = points[:, 0], points[:, 1]
+        inside = (x > body[0]) & (x < body[1]) & (y > body[2]) & (y < body[3])
+        return body, points[~inside]
+
+    def _turn(self, points: Array, target: float) -> tuple[float, float]:
+        """Turn on the spot towards a direction, the other way round if this one is blocked."""
+        if self._mind.side == 0.0:
+            self._mind.side = math.copysign(1.0, target)
+        side = self._mind.side
+        body, points = self._grown(points, 0.0)
+        free = free_travel(points, body, np.array([[0.0, side], [0.0, -side]]), 0.06, 30)
+        if free[0] < 0.1 and free[1] > 0.4:
+            self._mind.side = side = -side
+        rate = min(1.0, 0.25 + abs(target) / 1.2) * 0.8 * self._traits.pace
+        return 0.0, side * rate
+
+    def _drive(self, points: Array, wanted: float, target: float) -> tuple[float, float]:
+        """Go on along the way, or along the nearest curve that is free as far as they judge."""
+        traits = self._traits
+        curves = np.clip(wanted + _SWERVES, -3.0, 3.0)
+        body, clear = self._grown(points, 0.02)
+        twists = np.column_stack([np.ones_like(curves), curves])
+        free = free_travel(clear, body, twists, _STEP, _STEPS)
+        short = np.maximum(_WANTED - free, 0.0)
+        best = int(np.argmin(3.0 * short + 0.35 * np.abs(_SWERVES)))
+        curve, ahead = float(curves[best]), float(free[best])
+        speed = min(
+            traits.pace * self._full[0] * self._narrowness(points),
+            0.7 / max(abs(curve), 0.1),
+            max(ahead - 0.05, 0.0) / traits.headway,
+        )
+        if ahead < 0.12:  # in front of something: turn towards the way, do not push
+            side = math.copysign(1.0, target)
+            return 0.0, 0.35 * side if abs(target) > math.radians(8.0) else 0.0
+        turn = traits.over_steer * curve * speed
+        return speed / self._full[0], max(-1.0, min(1.0, turn / self._full[1]))
+
+    def _narrowness(self, points: Array) -> float:
+        """Return the share of their pace they dare between what is beside the way."""
+        x, y = points[:, 0], np.abs(points[:, 1]) - self._body[3]
+        beside = (x > self._body[0]) & (x < self._body[1] + 0.6) & (y > -0.1)
+        gap = float(y[beside].min(initial=_TIGHT))
+        return 0.5 + 0.5 * max(gap, 0.0) / _TIGHT
+
+    def _back_off(
+        self, time: float, pose: Array, motion: Array, aside: float
+    ) -> tuple[float, float]:
+        """Drive backward along the way, looking over the shoulder, then try again."""
+        mind = self._mind
+        mind.back_left -= abs(float(motion[0])) * _THINKS
+        points = self._sight.look(time, pose, behind=True) + np.array([0.0, aside])
+        behind = self._direction(pose, mind.progress - 0.8) + math.pi
+        target = math.remainder(behind, 2.0 * math.pi)
+        wanted = -2.0 * math.sin(max(-1.0, min(1.0, target))) / 0.8
+        curves = np.clip(wanted + _SWERVES, -1.5, 1.5)
+        body, clear = self._grown(points, 0.02)
+        twists = np.column_stack([-np.ones_like(curves), -curves])
+        free = free_travel(clear, body, twists, _STEP, 12)
+        best = int(np.argmin(3.0 * np.maximum(0.5 - free, 0.0) + 0.35 * np.abs(_SWERVES)))
+        if mind.back_left <= 0.0 or time > mind.back_until or free[best] < 0.1:
+            mind.doing = "driving"
+            return 0.0, 0.0
+        speed = 0.5 * self._traits.pace * self._full[0] * min(1.0, free[best] / 0.5)
+        turn = -speed * float(curves[best])
+        return -speed / self._full[0], max(-1.0, min(1.0, turn / self._full[1]))
