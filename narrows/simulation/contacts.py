@@ -20,6 +20,12 @@ from ..world import MovingSolid, World
 APART = 0.5
 """Contacts less than this apart count as one [s]: a chair that scrapes along a wall."""
 
+STANDS = 0.005
+"""Speed of its fastest point below which a chair stands [m/s]."""
+
+STOOD = 0.5
+"""How long a chair has stood before somebody who touches it has walked into it [s]."""
+
 
 @dataclass(frozen=True)
 class Contact:
@@ -29,11 +35,14 @@ class Contact:
         start: Time of the row before it [s].
         end: Time of the row after it [s].
         reason: What was touched and where, for people.
+        while_standing: A moving solid came to the chair, which had stood for `STOOD` before and
+            stood until the contact's end, and touched nothing else.
     """
 
     start: float
     end: float
     reason: str
+    while_standing: bool = False
 
 
 def certify_drive(world: World, vehicle: Vehicle, times: Array, poses: Array) -> Certificate:
@@ -68,16 +77,35 @@ def contacts(world: World, vehicle: Vehicle, times: Array, poses: Array) -> tupl
     if certificate.is_clear:
         return ()
     if len(times) == 1:
-        return (Contact(float(times[0]), float(times[0]), certificate.reason),)
+        start = float(times[0])
+        walked = _touches_moving_only(world, vehicle, times, poses)
+        return (Contact(start, start, certificate.reason, walked),)
     overlaps = clearance_at(world, vehicle, poses)[0] <= 0.0
     touching = overlaps[:-1] | overlaps[1:]
     for first, last in _runs(~touching):
         touching[first:last] = _unclear(world, vehicle, times, poses, first, last)
+    stands = _stands(vehicle, times, poses)
     found: list[Contact] = []
     for first, last in _merged(_runs(touching), times):
-        part = certify_drive(world, vehicle, times[first : last + 1], poses[first : last + 1])
-        found.append(Contact(float(times[first]), float(times[last]), part.reason))
+        rows = slice(first, last + 1)
+        part = certify_drive(world, vehicle, times[rows], poses[rows])
+        before = int(np.searchsorted(times, times[first] - STOOD))
+        walked = bool(stands[before:last].all())
+        walked = walked and _touches_moving_only(world, vehicle, times[rows], poses[rows])
+        found.append(Contact(float(times[first]), float(times[last]), part.reason, walked))
     return tuple(found)
+
+
+def _stands(vehicle: Vehicle, times: Array, poses: Array) -> NDArray[np.bool_]:
+    """Return in which intervals between rows no point of the body is faster than `STANDS`."""
+    step = np.abs(np.diff(poses, axis=0))
+    travel = np.hypot(step[:, 0], step[:, 1]) + vehicle.radius * step[:, 2]
+    return np.asarray(travel <= STANDS * np.diff(times))
+
+
+def _touches_moving_only(world: World, vehicle: Vehicle, times: Array, poses: Array) -> bool:
+    """Return whether without the moving solids nothing is touched."""
+    return certify_drive(replace(world, moving=()), vehicle, times, poses).is_clear
 
 
 def _unclear(

@@ -24,8 +24,8 @@ class Judgement:
     """What is true of a drive.
 
     Attributes:
-        reached: The chair stands within the goal's tolerances and has touched nothing.
-        contacts: The distinct contacts, in the order of time; see `narrows.simulation.contacts`.
+        reached: The chair stands within the goal's tolerances and had no collision.
+        contacts: All distinct contacts, in the order of time; see `narrows.simulation.contacts`.
         min_clearance: Proven lower bound on the driven body's clearance [m]; infinite where there
             is nothing to touch, negative: depth of an overlap.
         max_cross_track_error: Greatest distance to the reference [m]; None without one.
@@ -56,12 +56,22 @@ class Judgement:
     peak_wheel_acceleration: float
     reason: str
 
+    @property
+    def collisions(self) -> tuple[Contact, ...]:
+        """The contacts that count: all but those of moving solids with a chair that stood."""
+        return tuple(contact for contact in self.contacts if not contact.while_standing)
+
+    @property
+    def walked_into(self) -> tuple[Contact, ...]:
+        """The contacts of moving solids that walked into the chair while it stood."""
+        return tuple(contact for contact in self.contacts if contact.while_standing)
+
     def figures(self) -> dict[str, bool | int | float | None]:
         """Return the figures of `narrows drive --json`, by its names; no infinite numbers."""
         clearance = self.min_clearance
         return {
             "reached": self.reached,
-            "collisions": len(self.contacts),
+            "collisions": len(self.collisions),
             "min_clearance_m": clearance if math.isfinite(clearance) else None,
             "max_cross_track_error_m": self.max_cross_track_error,
             "final_position_error_m": self.final_position_error,
@@ -90,8 +100,9 @@ def judge(scene: Scene, record: Record) -> Judgement:
     near = position <= goal.position_tolerance and heading <= goal.heading_tolerance
     acceleration, jerk, wheel = _peaks(record)
     known = record.has_reference
+    collided = [contact for contact in touched if not contact.while_standing]
     return Judgement(
-        reached=near and stands and not touched,
+        reached=near and stands and not collided,
         contacts=touched,
         min_clearance=certificate.clearance,
         max_cross_track_error=float(np.abs(record.cross_track).max()) if known else None,
@@ -111,15 +122,18 @@ def judge(scene: Scene, record: Record) -> Judgement:
 def _reason(
     touched: tuple[Contact, ...], near: bool, stands: bool, position: float, heading: float
 ) -> str:
-    if touched:
-        first = touched[0]
-        return f"{len(touched)} collision(s), the first after {first.start:.2f} s: {first.reason}"
+    collided = [contact for contact in touched if not contact.while_standing]
+    if collided:
+        first = collided[0]
+        return f"{len(collided)} collision(s), the first after {first.start:.2f} s: {first.reason}"
     off = f"{1e3 * position:.0f} mm and {math.degrees(heading):.1f} degrees from the goal"
+    walked = len(touched)
+    note = f"; somebody walked into the standing chair, {walked} time(s)" if walked else ""
     if not near:
-        return f"it ended {off}"
+        return f"it ended {off}{note}"
     if not stands:
-        return f"it was still moving when time was up, {off}"
-    return f"it stands {off}"
+        return f"it was still moving when time was up, {off}{note}"
+    return f"it stands {off}{note}"
 
 
 def _peaks(record: Record) -> tuple[float, float, float]:

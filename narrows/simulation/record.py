@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import csv
 import io
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path as FilePath
+from types import MappingProxyType
 
 import numpy as np
 
 from ..errors import ShapeError, TrajectoryError
 from ..files import write_whole
-from ..formats.columns import number, read_text
+from ..formats.columns import column_indices, number, read_text
 from ..se2 import Array
 
 _WIDTHS = {
@@ -41,7 +43,8 @@ RECORD_COLUMNS = (
     "cross_track_error",
     "heading_error",
 )
-"""Header of the CSV; SI and radians. `t,x,y,heading` are the true motion, as in a trajectory."""
+"""The first columns of the CSV; SI and radians. `t,x,y,heading` are the true motion, as in a
+trajectory; a controller's signals follow by their names."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +64,8 @@ class Record:
             on the spot: distance from the spot. NaN where there was no reference.
         heading_error: Heading of the reference there less the true one, shape (N,), [rad]; 0
             within a turn on the spot; NaN where there was no reference.
+        signals: What the controller told of itself, by name, each of shape (N,), held for a control
+            period; NaN and infinities as it told them.
     """
 
     times: Array
@@ -71,6 +76,7 @@ class Record:
     progress: Array
     cross_track: Array
     heading_error: Array
+    signals: Mapping[str, Array] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Check the shapes; keep read-only copies."""
@@ -84,6 +90,7 @@ class Record:
             object.__setattr__(self, name, rows)
         if (np.diff(self.times) <= 0.0).any():
             raise ShapeError("the times of a record must increase")
+        object.__setattr__(self, "signals", _checked_signals(self.signals, count))
 
     @property
     def duration(self) -> float:
@@ -103,19 +110,25 @@ class Record:
 
 
 def write_record(record: Record, file: FilePath | str) -> None:
-    """Write a record as CSV of ten decimals with the header `RECORD_COLUMNS`, whole or not at all.
+    """Write a record as CSV of ten decimals, whole or not at all.
+
+    The header is `RECORD_COLUMNS`, then the names of the signals.
 
     Raises:
         InputError: If the file cannot be written there.
+        TrajectoryError: If a signal's name would be taken for a column of the motion.
     """
-    table = np.column_stack([getattr(record, name) for name in _WIDTHS])
+    header = [*RECORD_COLUMNS, *record.signals]
+    column_indices(header, str(file), None)
+    parts = [getattr(record, name) for name in _WIDTHS]
+    table = np.column_stack([*parts, *record.signals.values()])
     table = np.round(table, 10) + 0.0  # + 0.0: no negative zeros
     rows = [",".join(f"{value:.10f}" for value in row) for row in table.tolist()]
-    write_whole(file, "\n".join([",".join(RECORD_COLUMNS), *rows]) + "\n")
+    write_whole(file, "\n".join([",".join(header), *rows]) + "\n")
 
 
 def read_record(file: FilePath | str) -> Record:
-    """Return the record in a CSV file written by `write_record`.
+    """Return the record in a CSV file written by `write_record`, with signals or without.
 
     Raises:
         TrajectoryError: If the file cannot be used; says file, line, field, value.
@@ -125,9 +138,12 @@ def read_record(file: FilePath | str) -> Record:
     rows: list[list[float]] = []
     try:
         header = next(reader, [])
-        if tuple(header) != RECORD_COLUMNS:
+        if tuple(header[: len(RECORD_COLUMNS)]) != RECORD_COLUMNS:
             allowed = ",".join(RECORD_COLUMNS)
             raise TrajectoryError("this is no record of a drive", file=name, allowed=allowed)
+        names = header[len(RECORD_COLUMNS) :]
+        if len(set(names)) < len(names):
+            raise TrajectoryError("a signal is there twice", file=name, value=",".join(names))
         for cells in reader:
             if len(cells) != len(header):
                 raise TrajectoryError(
@@ -137,28 +153,55 @@ def read_record(file: FilePath | str) -> Record:
                     value=f"{len(cells)} values",
                     allowed=f"{len(header)}",
                 )
-            rows.append(_numbers(cells, name, reader.line_num))
+            rows.append(_numbers(cells, header, name, reader.line_num))
     except csv.Error as error:
         problem = f"this is not CSV: {error}"
         raise TrajectoryError(problem, file=name, line=reader.line_num) from error
-    table = np.array(rows).reshape(-1, len(RECORD_COLUMNS))
+    table = np.array(rows).reshape(-1, len(header))
+    fixed, rest = np.split(table, [len(RECORD_COLUMNS)], axis=1)
     ends = np.cumsum([max(width, 1) for width in _WIDTHS.values()])
     parts = [
         part if width else part[:, 0]
-        for part, width in zip(np.split(table, ends[:-1], axis=1), _WIDTHS.values(), strict=True)
+        for part, width in zip(np.split(fixed, ends[:-1], axis=1), _WIDTHS.values(), strict=True)
     ]
+    times, poses, estimates, commands, wheels, progress, cross_track, heading_error = parts
     try:
-        return Record(*parts)
+        return Record(
+            times,
+            poses,
+            estimates,
+            commands,
+            wheels,
+            progress,
+            cross_track,
+            heading_error,
+            dict(zip(names, rest.T, strict=True)),
+        )
     except ShapeError as error:
         raise TrajectoryError(f"the rows are no drive: {error}", file=name) from error
 
 
-def _numbers(cells: list[str], file: str, line: int) -> list[float]:
-    """Return a row's numbers; `nan` in the errors says that there was no reference."""
-    without = RECORD_COLUMNS[-2:]
+def _numbers(cells: list[str], header: list[str], file: str, line: int) -> list[float]:
+    """Return a row's numbers; errors may be `nan`: no reference; signals also infinite."""
+    without, fixed = RECORD_COLUMNS[-2:], len(RECORD_COLUMNS)
     return [
-        float("nan")
-        if cell == "nan" and column in without
+        float(cell)
+        if (cell == "nan" and (column in without or index >= fixed))
+        or (cell in ("inf", "-inf") and index >= fixed)
         else number(cell, "x", file, line, field=column)
-        for cell, column in zip(cells, RECORD_COLUMNS, strict=True)
+        for index, (cell, column) in enumerate(zip(cells, header, strict=True))
     ]
+
+
+def _checked_signals(signals: Mapping[str, Array], count: int) -> Mapping[str, Array]:
+    """Return read-only copies of signals (N,) by names that can be columns."""
+    kept: dict[str, Array] = {}
+    for name, values in signals.items():
+        if not name.isidentifier() or name in RECORD_COLUMNS:
+            raise ShapeError(f"a signal needs a name of its own, such as 'intrusion', got '{name}'")
+        rows = np.array(values, dtype=float)
+        if rows.shape != (count,):
+            raise ShapeError(f"signal {name} must have shape ({count},), got {rows.shape}")
+        rows.setflags(write=False)
+        kept[name] = rows
+    return MappingProxyType(kept)

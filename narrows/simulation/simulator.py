@@ -1,16 +1,17 @@
-"""Drives a scene: controller, localisation and plant, period by period, into a record."""
+"""Drives a scene: senses, controller, localisation and plant, period by period, into a record."""
 
 from __future__ import annotations
 
 import math
 from bisect import bisect_left
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import overload
 
 import numpy as np
 
 from ..errors import ShapeError
-from ..interfaces import Tracker
+from ..interfaces import Controller, Tracker
 from ..path import Path
 from ..scene import Scene
 from ..se2 import Array
@@ -19,6 +20,7 @@ from ..trajectory import Trajectory
 from .localisation import ExactPose, Localisation
 from .plant import Plant, PlantOptions
 from .record import Record
+from .senses import Senses
 
 _REACH = 0.3  # m: how far from the claimed progress the true foot is looked for
 _STILL = 1e-3  # m/s: rim speed at which a finished drive ends
@@ -54,32 +56,66 @@ class SimulationOptions:
             raise ShapeError(f"period must be a multiple of step, got {self.period}, {self.step}")
 
 
+@overload
 def simulate(
     scene: Scene,
-    tracker: Tracker,
+    driver: Tracker,
     *,
+    senses: None = None,
+    reference: Path | Trajectory | None = None,
+    options: SimulationOptions | None = None,
+    rng: np.random.Generator | None = None,
+    report: Callable[[float], None] | None = None,
+) -> Record: ...
+
+
+@overload
+def simulate(
+    scene: Scene,
+    driver: Controller,
+    *,
+    senses: Senses,
+    reference: Path | Trajectory | None = None,
+    options: SimulationOptions | None = None,
+    rng: np.random.Generator | None = None,
+    report: Callable[[float], None] | None = None,
+) -> Record: ...
+
+
+def simulate(
+    scene: Scene,
+    driver: Tracker | Controller,
+    *,
+    senses: Senses | None = None,
     reference: Path | Trajectory | None = None,
     options: SimulationOptions | None = None,
     rng: np.random.Generator | None = None,
     report: Callable[[float], None] | None = None,
 ) -> Record:
-    """Return the record of a drive from the scene's start, until the tracker has finished.
+    """Return the record of a drive from the scene's start, until its driver has finished.
 
     The chair starts at rest. There is no contact dynamics: a chair that drives into a wall goes
     on, and `narrows.simulation.judge` says that it did.
 
     Args:
         scene: Chair and start.
-        tracker: Sends a command every period.
-        reference: What the tracker follows: true errors are measured to it; None: none are.
+        driver: Sends a command every period: a tracker by the pose it believes, a controller by
+            what it perceives too.
+        senses: What a controller perceives with, made for this drive; None: a tracker drives.
+        reference: What is followed: true errors are measured to it; None: none are.
         options: Default `SimulationOptions()`.
-        rng: Source of all disturbances; default a generator of seed 0.
+        rng: Source of all disturbances of chair and localisation; default a generator of seed 0.
+            Senses have their own.
         report: Called about every second of driving with the share of the reference done.
+
+    Raises:
+        ShapeError: If a controller's signals change their names.
     """
     options = SimulationOptions() if options is None else options
     rng = np.random.default_rng(0) if rng is None else rng
     path = reference.path if isinstance(reference, Trajectory) else reference
-    rows = _drive(scene, tracker, options, rng, 0.0 if path is None else path.span, report)
+    pilot = _Pilot(driver, senses)
+    rows = _drive(scene, pilot, options, rng, 0.0 if path is None else path.span, report)
     table = np.array(rows)
     poses, progress = table[:, 1:4], table[:, 11]
     if path is None:
@@ -95,12 +131,42 @@ def simulate(
         progress=progress,
         cross_track=cross_track,
         heading_error=heading_error,
+        signals=dict(zip(pilot.names, table[:, 12:].T, strict=True)),
     )
+
+
+class _Pilot:
+    """A tracker, or a controller with its senses: commands by the true and the believed pose."""
+
+    def __init__(self, driver: Tracker | Controller, senses: Senses | None) -> None:
+        self.driver = driver
+        self.names: tuple[str, ...] = ()
+        self.signals: tuple[float, ...] = ()
+        self._senses = senses
+        self._has_begun = False
+
+    def step(self, time: float, true_pose: Array, believed_pose: Array) -> tuple[float, float]:
+        """Return the command for the coming period; take down the signals."""
+        if self._senses is None:
+            command = self.driver.step(time, believed_pose)  # type: ignore[call-arg]
+        else:
+            percept = self._senses.perceive(time, true_pose, believed_pose)
+            command = self.driver.step(time, believed_pose, percept)  # type: ignore[call-arg]
+            self._take_down(self.driver.signals)  # type: ignore[union-attr]
+        v, omega = command.tolist()
+        return v, omega
+
+    def _take_down(self, signals: Mapping[str, float]) -> None:
+        if not self._has_begun:
+            self.names, self._has_begun = tuple(signals), True
+        if tuple(signals) != self.names:
+            raise ShapeError(f"signals must keep their names {self.names}, got {tuple(signals)}")
+        self.signals = tuple(signals.values())
 
 
 def _drive(
     scene: Scene,
-    tracker: Tracker,
+    pilot: _Pilot,
     options: SimulationOptions,
     rng: np.random.Generator,
     span: float,
@@ -109,6 +175,7 @@ def _drive(
     """Return a row for each physics step."""
     plant = Plant(scene.vehicle, scene.start, options.plant, rng)
     estimator = options.localisation.start(scene.vehicle, options.plant, scene.start, rng)
+    driver = pilot.driver
     every = round(options.period / options.step)
     each_second = max(1, round(1.0 / options.step))
     rows: list[tuple[float, ...]] = []
@@ -118,20 +185,19 @@ def _drive(
         time = k * options.step
         if k % every == 0:
             estimate = estimator.estimate(plant, options.period)
-            v, omega = tracker.step(time, estimate).tolist()
-            believed, command = tuple(estimate.tolist()), (v, omega)
-            plant.command(v, omega)
-            if tracker.finished:
+            command = pilot.step(time, plant.pose, estimate)
+            believed = tuple(estimate.tolist())
+            plant.command(*command)
+            if driver.finished:
                 finished_at = min(finished_at, time)
-        rows.append(
-            (time, *plant.pose.tolist(), *believed, *command, *plant.wheel_speeds, tracker.progress)
-        )
+        own = (*believed, *command, *plant.wheel_speeds, driver.progress)
+        rows.append((time, *plant.pose.tolist(), *own, *pilot.signals))
         since = time - finished_at
         still = max(map(abs, plant.wheel_speeds)) < _STILL
         if (since > options.plant.latency and still) or since > _LONGEST_STOP:
             break
         if report is not None and k % each_second == 0:
-            report(min(tracker.progress / span, 1.0) if span else time / options.time_limit)
+            report(min(driver.progress / span, 1.0) if span else time / options.time_limit)
         plant.step(options.step)
     if report is not None:
         report(1.0)

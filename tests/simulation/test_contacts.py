@@ -98,3 +98,45 @@ def test_a_chair_that_never_moves_is_judged_too() -> None:
     assert certify_drive(World(), CHAIR, times, poses).is_clear
     outside = World(bounds=(-0.2, -1.0, 2.0, 1.0))
     assert len(contacts(outside, CHAIR, times, poses)) == 1
+
+
+def stop_and_go(stop: float, go: float, duration: float = 6.0) -> tuple[np.ndarray, np.ndarray]:
+    """Return a drive at 0.5 m/s until `stop`, standing until `go`, driving on."""
+    times = np.arange(0.0, duration, 0.01)
+    x = 0.5 * (np.minimum(times, stop) + np.maximum(times - go, 0.0))
+    return along(x)
+
+
+PASSER = MovingSolid(0.25, np.array([[2.0, 1.0, 2.0], [3.0, 1.0, -2.0]]), name="passer")
+"""Walks across what is 1 m ahead, touching a chair that stands there from 2.36 s to 2.64 s."""
+
+
+@pytest.mark.parametrize(
+    ("stop", "go", "walked_into"),
+    [
+        (1.6, 9.0, True),  # stands since 0.76 s and for ever
+        (1.6, 2.7, True),  # and goes on when the passer is gone
+        (1.6, 2.6, False),  # goes on into the passer
+        (1.9, 9.0, False),  # has stood for 0.46 s only: it drove into the way
+    ],
+)
+def test_somebody_who_walks_into_a_chair_that_stood_is_told_apart(stop, go, walked_into):
+    found = contacts(World(moving=(PASSER,)), CHAIR, *stop_and_go(stop, go))
+    assert len(found) == 1
+    assert found[0].while_standing is walked_into
+
+
+def test_a_standing_chair_that_touches_a_wall_too_has_a_contact_of_its_own():
+    wall = Solid.polygon([[1.49, -1], [1.6, -1], [1.6, 1], [1.49, 1]], name="wall")  # front at 1.5
+    found = contacts(World((wall,), moving=(PASSER,)), CHAIR, *stop_and_go(1.6, 9.0))
+    assert len(found) == 1
+    assert not found[0].while_standing
+
+
+def test_somebody_at_a_chair_that_never_moved_walked_into_it():
+    times, poses = along(np.full(400, 0.8))
+    found = contacts(World(moving=(PASSER,)), CHAIR, times, poses)
+    assert [contact.while_standing for contact in found] == [True]
+    still = MovingSolid(0.25, np.array([[0.0, 1.0, 0.0]]))
+    one = contacts(World(moving=(still,)), CHAIR, times[:1], poses[:1])
+    assert [contact.while_standing for contact in one] == [True]
