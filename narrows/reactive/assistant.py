@@ -1,0 +1,252 @@
+"""The driving assistant: the user drives, obstacles limit the speed and bend the way."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..interfaces import Percept
+from ..se2 import Array
+from ..vehicle import Vehicle
+from .assistant_braking import ComfortBraking
+from .assistant_look import Look
+from .assistant_options import AssistantOptions, AssistantState
+from .assistant_prediction import Prediction
+from .assistant_restoring import Orientation
+from .assistant_view import View
+from .avoidance import indicated_side, sides_to_try, way_past
+from .safety_regions import SafetyRegions, top_norm
+from .side_tables import side_table
+from .smooth_motion import MotionLimits, Smooth, SmoothMotion
+
+_STILL = 1e-3  # m/s: speed norm below which nothing moves
+_SPIN = 0.2  # |v| below this share of the rim speed: a turn on the spot, with no side to avoid to
+
+
+class Assistant:
+    """Shared control by safety regions, [DrivingAssistant, Sec. III].
+
+    Every step a target is chosen from the direction the *user* indicates, and the command taken is
+    the next one towards it, within the limits of smooth motion, that a full braking could follow:
+    the region of its motion holds no obstacle at its speed. If none can be taken, the last command
+    is braked fully in its own direction, which the step before has found to be clear.
+
+    Attributes:
+        state: State in Fig. 4 after the last step.
+    """
+
+    def __init__(
+        self, vehicle: Vehicle, regions: SafetyRegions, options: AssistantOptions | None = None
+    ) -> None:
+        """Begin at rest, knowing nothing.
+
+        Args:
+            vehicle: The chair.
+            regions: Its safety regions.
+            options: Default `AssistantOptions()`.
+        """
+        self._options = AssistantOptions() if options is None else options
+        options = self._options
+        self._vehicle = vehicle
+        self._regions = regions
+        self._limits = MotionLimits.of(vehicle, yaw_jerk=options.yaw_jerk)
+        self._smooth = SmoothMotion(self._limits, period=options.period)
+        self._braking = ComfortBraking.of(regions.options, self._limits, options.comfort)
+        self._look = Look(vehicle, regions)
+        self._view = View(options.fresh, options.stale)
+        self._prediction = Prediction(options.latency, options.motor_lag)
+        self._orientation = Orientation(options, self._limits)
+        self._table = side_table(options.sides)
+        self._deviation = 0.0
+        self._last = (-math.inf, 0.0, 0.0)  # time and motion of the last step
+        self.state = AssistantState.FULL_USER_CONTROL
+        self._signals: dict[str, float] = {}
+
+    @property
+    def signals(self) -> Mapping[str, float]:
+        """Figures of the last step; the same names at every step.
+
+        `state`; `limit`, the rim speed obstacles comfortably allow in the indicated direction
+        [m/s]; `deviation` from it [rad]; `trust` in the percept, 0 to 1; `full_braking`, 1 while
+        the limits of smooth motion are broken to brake.
+        """
+        return self._signals
+
+    def step(
+        self, time: float, command: ArrayLike, motion: ArrayLike, percept: Percept | None
+    ) -> Array:
+        """Return the command [v, omega] for the coming control period, shape (2,).
+
+        Args:
+            time: Time since the start [s].
+            command: [v, omega] the user indicates, shape (2,), [m/s, rad/s]. What is not finite
+                counts as zero.
+            motion: [v, omega] the chair really has, shape (2,). If not finite, it is taken to be
+                as commanded, and the chair brakes.
+            percept: Obstacles around the chair, or None if there are none to be had.
+        """
+        asked = self._limits.clipped(*_pair(command, 0.0))
+        v, omega = _pair(motion, math.nan)
+        is_measured = math.isfinite(v) and math.isfinite(omega)
+        if not is_measured:
+            v, omega = self._smooth.command
+        self._view.update(time, percept, self._moved(time, v, omega))
+        pose, v, omega = self._prediction.ahead(time, v, omega)
+        self._look.show(self._view.points, self._view.unknown, self._view.spread, pose)
+        trust = self._view.trust if is_measured else 0.0
+        if not self._view.is_known:
+            taken, is_full = self._smooth.force(0.0, 0.0), False
+            limit = 0.0
+        else:
+            target, limit = self._target(asked, trust)
+            target = self._slowed(target, v, omega)
+            taken, is_full = self._take(target, v, omega)
+        self._prediction.send(time, *taken)
+        self._signals = {
+            "state": float(self.state),
+            "limit": 0.5 * limit,
+            "deviation": self._deviation,
+            "trust": trust,
+            "full_braking": float(is_full),
+        }
+        return np.array(taken)
+
+    def _moved(self, time: float, v: float, omega: float) -> Array:
+        """Return how the chair has moved since the last step, pose (3,), and note the motion."""
+        before, last_v, last_omega = self._last
+        self._last = (time, v, omega)
+        if not math.isfinite(before):
+            return np.zeros(3)
+        dt = min(max(time - before, 0.0), 1.0)
+        travel, turn = 0.5 * (v + last_v) * dt, 0.5 * (omega + last_omega) * dt
+        self._orientation.moved(travel, turn)
+        half = 0.5 * turn
+        return np.array([travel * math.cos(half), travel * math.sin(half), turn])
+
+    def _target(
+        self, asked: tuple[float, float], trust: float
+    ) -> tuple[tuple[float, float], float]:
+        """Return where the command is to go to, and the limit in the indicated direction."""
+        phi, norm = self._regions.polar(*asked)
+        wanted = min(norm, trust * top_norm(self._vehicle))
+        if wanted < _STILL:
+            self.state = (
+                AssistantState.FULL_USER_CONTROL if norm < _STILL else AssistantState.BRAKING
+            )
+            self._orientation.forget()
+            self._deviation = 0.0
+            return (0.0, 0.0), 0.0
+        limit = self._braking.comfortable(self._look.limit(phi))
+        if limit >= wanted:
+            return self._unhindered(asked, phi, norm, wanted), limit
+        self._deviation = self._detour(asked, phi, norm, limit)
+        if self._deviation == 0.0:
+            self.state = AssistantState.BRAKING
+            return self._regions.motion(phi, min(limit, wanted)), limit
+        if self.state is not AssistantState.OBSTACLE_AVOIDANCE:
+            if not self._orientation.is_kept or not self._orientation.is_untouched(*asked):
+                self._orientation.keep(*asked)
+            self.state = AssistantState.OBSTACLE_AVOIDANCE
+        phi += self._deviation
+        limit = self._braking.comfortable(self._look.limit(phi))
+        return self._bounded(phi, min(limit, wanted), asked), limit
+
+    def _unhindered(
+        self, asked: tuple[float, float], phi: float, norm: float, wanted: float
+    ) -> tuple[float, float]:
+        """Return the target where nothing is in the way the user indicates."""
+        self._deviation = 0.0
+        orientation = self._orientation
+        if orientation.is_kept and orientation.is_untouched(*asked) and orientation.is_due():
+            v, omega = asked[0], asked[1] + orientation.correction()
+            back, _ = self._regions.polar(*self._limits.clipped(v, omega))
+            limit = self._braking.comfortable(self._look.limit(back))
+            if limit >= self._options.close * wanted:
+                self.state = AssistantState.RESTORING_ORIENTATION
+                self._deviation = back - phi
+                return self._bounded(back, min(limit, wanted), asked)
+            # What was avoided is still beside the chair: go on, and try again.
+            self.state = AssistantState.RESTORING_ORIENTATION
+        else:
+            orientation.forget()
+            self.state = AssistantState.FULL_USER_CONTROL
+        scale = wanted / norm
+        return asked if scale >= 1.0 else (scale * asked[0], scale * asked[1])
+
+    def _detour(self, asked: tuple[float, float], phi: float, norm: float, limit: float) -> float:
+        """Return by how much to deviate from the indicated direction [rad]; 0: only brake."""
+        options = self._options
+        forward = asked[0] > 0.0
+        is_spin = abs(asked[0]) < _SPIN * 0.5 * norm
+        is_close = limit < options.close * norm
+        is_avoiding = self.state is AssistantState.OBSTACLE_AVOIDANCE
+        if not options.steers or is_spin or not (is_close or is_avoiding):
+            return 0.0
+        part_limits = np.array([self._braking.comfortable(x) for x in self._look.part_limits(phi)])
+        indicated = indicated_side(phi, forward, options.avoidance.straight_band)
+        sides = sides_to_try(part_limits, norm, indicated, self._table, forward)
+        if not any(sides):
+            return 0.0
+        return way_past(
+            self._look, self._braking, phi, norm, forward, sides, self._deviation, options.avoidance
+        )
+
+    def _bounded(self, phi: float, norm: float, asked: tuple[float, float]) -> tuple[float, float]:
+        """Return the motion of a direction and a speed norm, no faster than asked for."""
+        v, omega = self._regions.motion(phi, norm)
+        scale = 1.0
+        if abs(v) > abs(asked[0]):
+            scale = abs(asked[0]) / abs(v)
+        sideways = abs(v * omega)
+        if sideways > self._limits.lateral_acceleration:
+            scale = min(scale, math.sqrt(self._limits.lateral_acceleration / sideways))
+        return scale * v, scale * omega
+
+    def _slowed(self, target: tuple[float, float], v: float, omega: float) -> tuple[float, float]:
+        """Return a target no faster than the region of the actual motion allows."""
+        phi, norm = self._regions.polar(v, omega)
+        _, wanted = self._regions.polar(*target)
+        if norm < 10.0 * _STILL or wanted < _STILL:
+            return target
+        limit = self._braking.comfortable(self._look.limit(phi))
+        if wanted <= limit:
+            return target
+        return limit / wanted * target[0], limit / wanted * target[1]
+
+    def _take(
+        self, target: tuple[float, float], v: float, omega: float
+    ) -> tuple[tuple[float, float], bool]:
+        """Take the best next command that a full braking can follow; say if it is one itself."""
+        smooth, regions = self._smooth, self._regions
+        phi, norm = regions.polar(*smooth.command)
+        actual_phi, actual = regions.polar(v, omega)
+        runaway = actual > norm + 2.0 * self._options.disobedience and (
+            actual > self._look.limit(actual_phi) + 2.0 * self._options.disobedience
+        )
+        if not runaway:
+            limit = self._braking.comfortable(self._look.limit(phi)) if norm > _STILL else 0.0
+            slower = regions.motion(phi, min(limit, norm))
+            for goal in (target, slower, (0.0, 0.0)):
+                proposed = smooth.proposed(*goal)
+                if self._may(*proposed):
+                    return smooth.take(*proposed), False
+        less = 2.0 * regions.options.deceleration * smooth.period
+        braked = regions.motion(phi, max(0.0, norm - less))
+        return smooth.force(*braked), norm > 0.0
+
+    def _may(self, v: Smooth, omega: Smooth) -> bool:
+        """Return whether a full braking can follow a command."""
+        phi, norm = self._regions.polar(v.value, omega.value)
+        return norm < 1e-9 or norm <= self._look.limit(phi)
+
+
+def _pair(values: ArrayLike, otherwise: float) -> tuple[float, float]:
+    """Return two numbers, those that are not finite replaced."""
+    first, second = (float(value) for value in np.asarray(values, dtype=float).reshape(2))
+    return (
+        first if math.isfinite(first) else otherwise,
+        second if math.isfinite(second) else otherwise,
+    )

@@ -1,0 +1,53 @@
+"""Two ways to brake: fully, which the safety regions are computed for, and comfortably."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from ..errors import ShapeError
+from .safety_regions import RegionOptions
+from .smooth_motion import MotionLimits
+
+
+@dataclass(frozen=True)
+class ComfortBraking:
+    """Speeds from which a comfortable braking stops as soon as a full one from a higher speed.
+
+    A rim at speed r runs on by r latency + r^2 / (2 deceleration). Comfortable braking builds its
+    deceleration up at the jerk limit, which costs as much way as half that time of latency.
+
+    Attributes:
+        latency: Of a full braking [s].
+        deceleration: Of a full braking [m/s^2].
+        gentle_latency: Latency of comfortable braking, the time to build it up counted [s].
+        gentle_deceleration: Deceleration of comfortable braking [m/s^2].
+    """
+
+    latency: float
+    deceleration: float
+    gentle_latency: float
+    gentle_deceleration: float
+
+    @classmethod
+    def of(cls, options: RegionOptions, limits: MotionLimits, share: float) -> ComfortBraking:
+        """Return the braking that uses a share of the acceleration limit.
+
+        Raises:
+            ShapeError: If that would be harder than a full braking.
+        """
+        gentle = share * limits.acceleration
+        if gentle > options.deceleration:
+            raise ShapeError(
+                f"comfortable braking at {gentle:.3g} m/s^2 is harder than the full braking of the "
+                f"safety regions, {options.deceleration:.3g} m/s^2: compute them for a harder one"
+            )
+        latency = options.latency + 0.5 * gentle / limits.jerk
+        return cls(options.latency, options.deceleration, latency, gentle)
+
+    def comfortable(self, norm: float) -> float:
+        """Return the comfortable speed norm of a full braking's [m/s]."""
+        rim = 0.5 * norm
+        way = rim * self.latency + rim * rim / (2.0 * self.deceleration)
+        lost = self.gentle_deceleration * self.gentle_latency
+        return 2.0 * (math.sqrt(lost * lost + 2.0 * self.gentle_deceleration * way) - lost)

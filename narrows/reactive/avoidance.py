@@ -1,0 +1,128 @@
+"""To which side to steer past what is in the way, seen from the direction the user indicates."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .assistant_braking import ComfortBraking
+from .assistant_look import Look
+from .side_tables import Indicated, Side
+
+LEFTMOST = {True: math.pi / 2.0, False: -math.pi / 2.0}
+RIGHTMOST = {True: 0.0, False: -math.pi}
+STRAIGHTS = {True: math.pi / 4.0, False: -3.0 * math.pi / 4.0}
+
+
+@dataclass(frozen=True)
+class AvoidanceOptions:
+    """How a way past obstacles is looked for.
+
+    Attributes:
+        straight_band: Directions this near to straight count as indicating no side [rad].
+        widest: Furthest deviation from the indicated direction phi [rad].
+        step: Distance of the directions tried [rad].
+        cost: Share of the speed a deviation by `widest` must be worth.
+        change_cost: The same for changing the deviation of the last step by `widest`.
+        gain: Least gain over braking alone, as a share of the speed asked for.
+    """
+
+    straight_band: float = math.radians(2.0)
+    widest: float = math.radians(40.0)
+    step: float = math.radians(2.0)
+    cost: float = 0.4
+    change_cost: float = 0.3
+    gain: float = 0.1
+
+
+def indicated_side(phi: float, forward: bool, straight_band: float) -> Indicated:
+    """Return to which side the way of a direction bends; left is a greater phi, both ways."""
+    bend = phi - STRAIGHTS[forward]
+    if abs(bend) <= straight_band:
+        return Indicated.STRAIGHT
+    return Indicated.LEFT if bend > 0.0 else Indicated.RIGHT
+
+
+def sides_to_try(
+    part_limits: NDArray[np.float64],
+    wanted: float,
+    indicated: Indicated,
+    table: NDArray[np.uint8],
+    forward: bool,
+) -> tuple[bool, bool]:
+    """Return whether to look for a way to the left, and to the right.
+
+    Every part of the body that limits the speed votes by its row of the table. Whoever drives
+    straight at something wants to get there: one `straight` and nothing is tried. Votes for both
+    sides, as between doorposts, look to both.
+
+    Args:
+        part_limits: Speed norm each part allows, shape (8,), [m/s].
+        wanted: Speed norm the user asks for [m/s].
+        indicated: Side the user indicates.
+        table: Table of sides, shape (2, 8, 3).
+        forward: Whether the user drives forward.
+    """
+    rows = table[0 if forward else 1, :, indicated]
+    votes = {Side(side) for side in rows[part_limits < wanted].tolist()}
+    if Side.STRAIGHT in votes:
+        return False, False
+    left = bool(votes & {Side.LEFT, Side.BOTH})
+    right = bool(votes & {Side.RIGHT, Side.BOTH})
+    return left, right
+
+
+def way_past(
+    look: Look,
+    braking: ComfortBraking,
+    phi: float,
+    wanted: float,
+    forward: bool,
+    sides: tuple[bool, bool],
+    last: float,
+    options: AvoidanceOptions,
+) -> float:
+    """Return by how much to deviate from the indicated direction [rad]; 0: not at all.
+
+    Of the directions to the sides to be tried, the one whose comfortable speed, less the costs of
+    deviating and of changing one's mind, is greatest.
+
+    Args:
+        look: Obstacles.
+        braking: Turns hard limits into comfortable ones.
+        phi: Direction the user indicates [rad].
+        wanted: Speed norm the user asks for [m/s].
+        forward: Whether the user drives forward.
+        sides: Whether the left and the right may be tried.
+        last: Deviation of the step before [rad].
+        options: Costs and limits.
+    """
+    best, chosen = -math.inf, 0.0
+    for deviation in _deviations(phi, forward, sides, options):
+        limit = braking.comfortable(look.limit(phi + deviation, careful=False))
+        worth = min(limit, wanted) / wanted
+        worth -= options.cost * abs(deviation) / options.widest
+        worth -= options.change_cost * abs(deviation - last) / options.widest
+        if deviation == 0.0:
+            worth += options.gain
+        if worth > best + 1e-9:
+            best, chosen = worth, deviation
+    return chosen
+
+
+def _deviations(
+    phi: float, forward: bool, sides: tuple[bool, bool], options: AvoidanceOptions
+) -> list[float]:
+    """Return the deviations to try, none first; the way may not bend beyond one wheel standing."""
+    count = int(options.widest / options.step + 1e-9)
+    found = [0.0]
+    for k in range(1, count + 1):
+        deviation = k * options.step
+        if sides[0] and phi + deviation <= LEFTMOST[forward]:
+            found.append(deviation)
+        if sides[1] and phi - deviation >= RIGHTMOST[forward]:
+            found.append(-deviation)
+    return found

@@ -1,0 +1,88 @@
+"""Paints safety regions: direction by direction, over errors, speeds, castors and time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geometry import offset_polygon
+from ..se2 import Array
+from .safety_regions import RegionOptions, protected
+from .safety_regions_kernels import NEVER, braking_poses, paint_direction, paint_parts
+
+_NEIGHBOURHOODS = (0.4, 0.15, 0.05, 0.02, 0.0)
+"""How far from where the nominal body passes a cell still gets its part [m], widest first."""
+
+
+def painted(
+    outline: Array,
+    track: float,
+    norms: Array,
+    options: RegionOptions,
+    report: Callable[[float], None] | None,
+) -> tuple[Array, NDArray[np.uint8], NDArray[np.uint8]]:
+    """Return the grid's lower corner, levels and parts as in `SafetyRegions`.
+
+    Args:
+        outline: The chair's outline, shape (K, 2), [m].
+        track: Its track [m].
+        norms: Speed norms of the levels, shape (L,), [m/s].
+        options: What the regions allow for.
+        report: Called with the share done.
+    """
+    body = np.ascontiguousarray(protected(outline, options))
+    faster = 1.0 + options.speed_error
+    rim = 0.5 * float(norms[-1]) * faster
+    stop = rim * options.latency + rim * rim / (2.0 * options.deceleration)
+    reach = float(np.linalg.norm(body, axis=1).max()) + stop
+    half = math.ceil(reach / options.cell) + 2
+    lower = np.full(2, -half * options.cell)
+    shape = (options.directions, 2 * half, 2 * half)
+    levels, parts = np.full(shape, NEVER, dtype=np.uint8), np.zeros(shape, dtype=np.uint8)
+    timing = np.array([options.latency, options.deceleration / faster])
+    castors = np.linspace(0.0, 1.0, options.castor_samples)
+    bodies = [np.ascontiguousarray(offset_polygon(body, grown)) for grown in _NEIGHBOURHOODS]
+    poses = np.empty((4 * options.pose_samples, 3))
+    scratch = np.empty_like(body)
+    for k in range(options.directions):
+        motions = faster * _motions(k, track, options)
+        paint_direction(
+            levels[k], motions, norms, timing, castors, body, lower, options.cell,
+            options.pose_samples,
+        )  # fmt: skip
+        v, omega = motions[1] * norms[-1]
+        duration = 0.5 * float(norms[-1]) / timing[1]
+        braking_poses(v, omega, duration, options.latency, 1.0, poses)
+        for grown in bodies:
+            paint_parts(parts[k], poses, grown, lower, options.cell, scratch)
+        if report is not None and (k % 16 == 0 or k == options.directions - 1):
+            report((k + 1) / options.directions)
+    return _cropped(lower, levels, parts, options.cell)
+
+
+def _motions(index: int, track: float, options: RegionOptions) -> Array:
+    """Return [v, omega] per unit of speed norm: at one end of the error, without, at the other.
+
+    Wheel errors of a share e of the faster wheel turn the direction by at most e radian; a
+    region also serves the directions half a step to both sides.
+    """
+    step = 2.0 * math.pi / options.directions
+    error = options.speed_error + 0.5 * step
+    phi = index * step + np.array([-error, 0.0, error])
+    left, right = np.cos(phi), np.sin(phi)
+    scale = 1.0 / (np.abs(left) + np.abs(right))
+    return np.stack([0.5 * scale * (left + right), scale * (right - left) / track], axis=-1)
+
+
+def _cropped(
+    lower: Array, levels: NDArray[np.uint8], parts: NDArray[np.uint8], cell: float
+) -> tuple[Array, NDArray[np.uint8], NDArray[np.uint8]]:
+    """Return the tables without the rows and columns no region reaches."""
+    reached = (levels != NEVER).any(axis=0)
+    rows, columns = np.flatnonzero(reached.any(axis=1)), np.flatnonzero(reached.any(axis=0))
+    part = np.s_[:, rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
+    corner = lower + cell * np.array([rows[0], columns[0]])
+    return corner, levels[part].copy(), parts[part].copy()
