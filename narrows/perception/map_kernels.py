@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ..se2 import Array
 from .compiled import compiled
 
-_PASSED, _HIT = 1, 2  # what happened to a cell in an update
+_LAST_MARK = 254
 
 
 class Cells(NamedTuple):
@@ -26,7 +26,9 @@ class Cells(NamedTuple):
     Attributes:
         certainty: Of each cell and band, shape (K, n, n): `hit` and more is occupied, less than 0
             is free, anything between is not known.
-        touched: What the update at work has done to it, shape (K, n, n).
+        touched: Mark of the update that touched each last, shape (K, n, n): `mark` if a ray of it
+            passed, mark + 1 if it was hit.
+        mark: Mark of the update at work, even, shape (1,).
         occupied: Bit k: band k is occupied, shape (n, n).
         free: Bit k: band k is free, shape (n, n).
         edges: Heights between the bands, shape (K + 1,), [m].
@@ -38,6 +40,7 @@ class Cells(NamedTuple):
 
     certainty: NDArray[np.int8]
     touched: NDArray[np.uint8]
+    mark: NDArray[np.uint8]
     occupied: NDArray[np.uint32]
     free: NDArray[np.uint32]
     edges: Array
@@ -65,11 +68,20 @@ def judge(cells: Cells, band: int, i: int, j: int, value: int) -> None:
         cells.free[i, j] &= ~bit
 
 
+def begin_update(cells: Cells) -> None:
+    """Let every cell be touched anew."""
+    if cells.mark[0] >= _LAST_MARK:
+        cells.touched[:] = 0
+        cells.mark[0] = 0
+    cells.mark[0] += 2
+
+
 @compiled
 def mark_hit(cells: Cells, band: int, i: int, j: int) -> None:
     """Make a cell surer to be occupied, once an update; what seemed free is forgotten at once."""
-    if cells.touched[band, i, j] != _HIT:
-        cells.touched[band, i, j] = _HIT
+    hit = int(cells.mark[0]) + 1
+    if cells.touched[band, i, j] != hit:
+        cells.touched[band, i, j] = hit
         value = int(cells.certainty[band, i, j])
         judge(cells, band, i, j, min((value if value > 0 else 0) + cells.hit, cells.most))
 
@@ -78,8 +90,11 @@ def mark_hit(cells: Cells, band: int, i: int, j: int) -> None:
 def mark_passed(cells: Cells, band: int, i: int, j: int) -> None:
     """Make a cell surer to be free, once an update, unless it was hit in the same."""
     value = int(cells.certainty[band, i, j])
-    if value > -cells.hit and cells.touched[band, i, j] == 0:
-        cells.touched[band, i, j] = _PASSED
+    if value <= -cells.hit:
+        return
+    mark, last = int(cells.mark[0]), int(cells.touched[band, i, j])
+    if last != mark and last != mark + 1:
+        cells.touched[band, i, j] = mark
         judge(cells, band, i, j, max(value - cells.miss, -cells.hit))
 
 
@@ -253,10 +268,15 @@ def look_around(
     j_to = min(math.floor((pose[1] + reach) / cell) + 1, origin[1] + size)
     for i in range(i_from, i_to):
         a, b = i % size, _beside(j_from % size, -1, size)
+        line, up, down = free[a], free[_beside(a, 1, size)], free[_beside(a, -1, size)]
+        here = line[b]
         for j in range(j_from, j_to):
             b = _beside(b, 1, size)
+            last, here, coming = here, line[b], line[_beside(b, 1, size)]
             bits = occupied[a, b] & mask
-            if bits == 0 and ((free[a, b] & mask) != 0 or not _ends_free(free, a, b, mask)):
+            # At the window's border the ring joins what is apart: a border cell more, no less.
+            near = (last | coming | up[b] | down[b]) & mask
+            if bits == 0 and ((here & mask) != 0 or near == 0):
                 continue
             x, y = (i + 0.5) * cell - pose[0], (j + 0.5) * cell - pose[1]
             if x * x + y * y > reach * reach:
@@ -268,23 +288,14 @@ def look_around(
                 unknown[edge, 0], unknown[edge, 1] = ahead, left
                 edge += 1
                 continue
-            for band in range(len(heights)):
-                if (bits >> np.uint32(band)) & np.uint32(1):
+            band = 0
+            while bits != 0:
+                if bits & np.uint32(1):
                     if found == len(points):
                         points = np.concatenate((points, np.empty_like(points)))
                     points[found, 0], points[found, 1] = ahead, left
                     points[found, 2] = heights[band]
                     found += 1
+                bits >>= np.uint32(1)
+                band += 1
     return points[:found].copy(), unknown[:edge].copy()
-
-
-@compiled
-def _ends_free(free: NDArray[np.uint32], a: int, b: int, mask: np.uint32) -> bool:
-    """Return whether one of the four cells beside a cell of the ring is free.
-
-    At the window's border the ring joins what is not joined; that makes a border cell unknown.
-    """
-    size = free.shape[0]
-    near = free[_beside(a, 1, size), b] | free[_beside(a, -1, size), b]
-    near |= free[a, _beside(b, 1, size)] | free[a, _beside(b, -1, size)]
-    return bool((near & mask) != 0)

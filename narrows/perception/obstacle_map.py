@@ -14,101 +14,32 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError, ShapeError
-from ..geometry import edge_normals
 from ..interfaces import Percept
 from ..se2 import Array, transform
 from ..vehicle import Vehicle
-from .map_kernels import Cells, forget_lines, hit_points, look_around, pass_rays, stand_on
+from .body_slabs import body_slabs
+from .camera import DepthCamera
+from .depth_image import depth_frame
+from .map_depth_kernels import View, hit_pixels, pass_pixels
+from .map_kernels import (
+    Cells,
+    begin_update,
+    forget_lines,
+    hit_points,
+    look_around,
+    pass_rays,
+    stand_on,
+)
+from .map_options import MapOptions
+from .obstacles import ObstacleFinder
 from .ranges import LaserScan, UltrasoundReadings
-from .surroundings import Cell
-
-_BANDS = (0.025, *(round(0.1 * k, 1) for k in range(1, 17)))
-
-
-@dataclass(frozen=True)
-class MapOptions:
-    """Size of the map and how fast it learns and forgets.
-
-    A hit adds `hit` to a cell's certainty, a ray that passes takes `miss`; with the defaults a
-    thing seen once is doubted after one scan that sees past it and gone after five, one seen
-    often after 13 and 17.
-
-    Attributes:
-        side: Edge of the map [m]; the paper's.
-        cell: Edge of a cell [m]; the paper does not print it.
-        bands: Heights between the bands [m], increasing, at most 32 bands. What is below the
-            first is floor, what is above the last is nobody's concern.
-        hit: Certainty a hit adds; as much is occupied.
-        miss: Certainty a ray that passes takes away.
-        most: Greatest certainty, up to 127.
-        short: How much before its return a ray stops clearing [m]: error of the sensor and of
-            the pose, and the slant of a surface within a cell.
-        own: Returns that far inside the chair's body are its own [m].
-        deep: That far inside the body nothing can stand: what is there is forgotten [m].
-        sensors: Names of the sensors that must speak; empty: those that have spoken.
-    """
-
-    side: float = 7.5
-    cell: float = 0.025
-    bands: tuple[float, ...] = _BANDS
-    hit: int = 4
-    miss: int = 1
-    most: int = 16
-    short: float = 0.05
-    own: float = 0.02
-    deep: float = 0.05
-    sensors: tuple[str, ...] = ()
-
-    def __post_init__(self) -> None:
-        """Refuse maps without cells or with too many, and rules that learn nothing."""
-        if not (0.0 < self.cell < math.inf and 2.0 * self.cell <= self.side <= 4000.0 * self.cell):
-            sizes = f"side {self.side} m, cell {self.cell} m"
-            raise InputError("no map", value=sizes, allowed="2 to 4000 cells a side")
-        edges = np.array(self.bands, dtype=float)
-        increasing = len(edges) >= 2 and np.isfinite(edges).all() and (np.diff(edges) > 0.0).all()
-        if not increasing or len(edges) > 33:
-            allowed = "2 to 33 increasing heights"
-            raise InputError("no bands", field="bands", value=self.bands, allowed=allowed)
-        if not 1 <= self.miss <= self.hit <= self.most <= 127:
-            rule = f"hit {self.hit}, miss {self.miss}, most {self.most}"
-            raise InputError("no rule", value=rule, allowed="1 <= miss <= hit <= most <= 127")
-        for name in ("short", "own", "deep"):
-            if not 0.0 <= getattr(self, name) < math.inf:
-                raise InputError(
-                    "not a distance", field=name, value=getattr(self, name), allowed=">= 0 m"
-                )
-
-    @property
-    def count(self) -> int:
-        """Number of cells along a side."""
-        return round(self.side / self.cell)
-
-
-def bands_of(vehicle: Vehicle, *, step: float = 0.1, above: float = 0.3) -> tuple[float, ...]:
-    """Return heights of bands that begin and end where the layers of a chair do.
-
-    So a band lies in a layer or outside it, and the middle of a band says which.
-
-    Args:
-        vehicle: The chair.
-        step: Greatest height of a band [m].
-        above: How far above the chair there are bands [m].
-    """
-    marks = {0.025, vehicle.height + above}
-    marks |= {edge for layer in vehicle.layers for edge in layer.z if edge > 0.025}
-    edges = sorted(marks)
-    rows = [
-        np.linspace(a, b, 1 + math.ceil((b - a) / step - 1e-9))[:-1] for a, b in pairwise(edges)
-    ]
-    return (*np.concatenate(rows).tolist(), edges[-1])
+from .surroundings import Cell, Sight, Surroundings
 
 
 class ObstacleMap:
@@ -144,6 +75,7 @@ class ObstacleMap:
         self._cells = Cells(
             np.zeros(shape, dtype=np.int8),
             np.zeros(shape, dtype=np.uint8),
+            np.zeros(1, dtype=np.uint8),
             np.zeros((count, count), dtype=np.uint32),
             np.zeros((count, count), dtype=np.uint32),
             edges,
@@ -152,7 +84,7 @@ class ObstacleMap:
             chosen.miss,
             chosen.most,
         )
-        self._slabs = [] if vehicle is None else _slabs(vehicle, edges)
+        self._slabs = [] if vehicle is None else body_slabs(vehicle, edges)
         self._heard: dict[str, float] = dict.fromkeys(chosen.sensors, -math.inf)
         self.pose = _pose(pose)
         self._origin = self._corner(self.pose)
@@ -249,6 +181,63 @@ class ObstacleMap:
             self._add(arcs, np.zeros(3), np.zeros((0, 3)))
             self._hear(readings.sensor, readings.time)
 
+    def add_frame(
+        self,
+        depth: Any,
+        seen: Surroundings,
+        finder: ObstacleFinder,
+        *,
+        sensor: str = "camera",
+    ) -> None:
+        """Add a depth frame taken at the pose believed last, and what the fast route made of it.
+
+        Pixels above the floor that belong to an obstacle are hits, drop-offs fill the lowest band,
+        and what the camera looks through is free; where the floor is only assumed nothing is. A
+        blind or silent camera counts as not having spoken.
+
+        Args:
+            depth: The image that `seen` was made of.
+            seen: `finder.see(depth, time)`.
+            finder: The camera and its thresholds.
+            sensor: Name of the camera.
+
+        Raises:
+            ShapeError: If the image is not of the camera's size.
+            InputError: If its values are of another type.
+        """
+        if seen.floor is None or seen.sight in (Sight.BLIND, Sight.SILENT):
+            return
+        camera, mounting, area = finder.camera, seen.floor.mounting, seen.grid
+        frame = depth_frame(depth, camera.intrinsics)
+        lens = camera.intrinsics
+        view = View(
+            np.array([lens.fx, lens.fy, lens.cx, lens.cy]),
+            np.column_stack([mounting.camera_to_body, mounting.position]),
+            self.pose,
+            frame.per_metre,
+            camera.furthest,
+            self.options.short,
+            finder.options.steps * camera.step,
+        )
+        corner = np.array([area.x_from, area.y_from, area.cell])
+        begin_update(self._cells)
+        holes = area.spots(np.equal(seen.cells, Cell.DROP), 0.7 * self.options.cell)
+        self._hit(np.column_stack([holes, np.full(len(holes), self.options.bands[0])]))
+        hit_pixels(
+            self._cells,
+            self._origin,
+            view,
+            frame.image,
+            finder.thresholds(seen.floor),
+            corner,
+            seen.cells,
+            Cell.OBSTACLE,
+            self._stride(camera),
+        )
+        if seen.floor.is_seen:
+            pass_pixels(self._cells, self._origin, view, frame.image)
+        self._hear(sensor, seen.time)
+
     def percept(
         self, *, reach: float = math.inf, heights: tuple[float, float] = (0.0, math.inf)
     ) -> Percept:
@@ -324,23 +313,28 @@ class ObstacleMap:
         if rows.ndim != 2 or rows.shape[1] != 2:
             raise ShapeError(f"points must be (N, 2), got {rows.shape}")
         place = np.floor(transform(self.pose, rows) / self.options.cell) - self._origin
-        inside = ((place >= 0.0) & (place < self.options.count)).all(axis=1)
-        i, j = np.where(inside[:, None], place, 0.0).astype(np.int64).T
-        return np.logical_and(inside, np.equal(self.states(heights)[i, j], Cell.FREE))
+        inside = np.logical_and(place >= 0.0, place < self.options.count).all(axis=1)
+        i, j = np.where(np.expand_dims(inside, 1), place, 0.0).astype(np.int64).T
+        free: NDArray[np.bool_] = np.equal(self.states(heights)[i, j], Cell.FREE)
+        return inside & free
 
     def _add(self, points: Array, eye: Array, ends: Array) -> None:
         """Hit points (N, 3) and clear rays to ends (M, 3), all in the body frame."""
-        outside = points[~self._are_own(points)]
-        self._untouch(np.concatenate([outside[:, 2], ends[:, 2], eye[2:]]))
-        hit_points(self._cells, self._origin, self._in_world(outside))
+        begin_update(self._cells)
+        self._hit(points)
         if len(ends):
             place = self._in_world(eye[None])[0]
             pass_rays(self._cells, self._origin, place, self._in_world(ends))
 
-    def _untouch(self, heights: Array) -> None:
-        """Begin an update of all bands from the lowest of the heights to the highest."""
-        low, high = np.searchsorted(self._cells.edges, [heights.min(), heights.max()], side="right")
-        self._cells.touched[max(low - 1, 0) : high] = 0
+    def _stride(self, camera: DepthCamera) -> int:
+        """Return a stride at which pixels at the furthest depth are a cell apart."""
+        lens = camera.intrinsics
+        pixels = self.options.cell * min(lens.fx, lens.fy) / camera.furthest
+        return max(1, math.floor(pixels))
+
+    def _hit(self, points: Array) -> None:
+        outside = points[~self._are_own(points)]
+        hit_points(self._cells, self._origin, self._in_world(outside))
 
     def _in_world(self, points: Array) -> Array:
         return np.column_stack([transform(self.pose, points[:, :2]), points[:, 2]])
@@ -391,30 +385,6 @@ class ObstacleMap:
         """Return cells of the ring with the window's corner first."""
         i, j = (int(-corner % self.options.count) for corner in self._origin)
         return np.roll(cells, (i, j), axis=(0, 1))
-
-
-@dataclass(frozen=True, eq=False)
-class _Slab:
-    """A layer of the body as half-planes, and the bands it is in."""
-
-    normals: Array
-    offsets: Array
-    low: float
-    high: float
-    bands: NDArray[np.bool_]
-    reach: float
-
-
-def _slabs(vehicle: Vehicle, edges: Array) -> list[_Slab]:
-    slabs = []
-    for layer in vehicle.layers:
-        normals = edge_normals(layer.polygon)
-        offsets = np.einsum("ed,ed->e", normals, layer.polygon)
-        low, high = layer.z
-        bands = (edges[:-1] >= low - 1e-9) & (edges[1:] <= high + 1e-9)
-        reach = float(np.linalg.norm(layer.polygon, axis=1).max())
-        slabs.append(_Slab(normals, offsets, low, high, bands, reach))
-    return slabs
 
 
 def _pose(pose: ArrayLike) -> Array:

@@ -105,18 +105,25 @@ class ObstacleFinder:
         kept = cells.astype(np.uint8)
         return Surroundings(sight, reason, time, self.grid, kept, floor, obstacles, drop_offs)
 
+    def thresholds(self, floor: Floor) -> Array:
+        """Return the height of the lowest obstacle at no depth [m] and its growth with the depth.
+
+        Shape (2,). Both are larger where the floor is only assumed.
+        """
+        base = self.options.least_height
+        growth = self.options.steps * self.camera.step * floor.mounting.height + self.options.slope
+        if floor.is_seen:
+            return np.array([base, growth])
+        slope = math.tan(self.prior.angle_tolerance)
+        return np.array([base + self.prior.height_tolerance, growth + slope])
+
     def _sort(self, frame: DepthFrame, floor: Floor) -> tuple[NDArray[np.int32], Array]:
         """Return pixels per cell (3, columns, rows) and boxes (2, columns, rows, 10)."""
         lens, grid, chosen = self.camera.intrinsics, self.grid, self.options
         mounting = floor.mounting
         geometry = np.array([lens.fx, lens.fy, lens.cx, lens.cy])
         pose = np.column_stack([mounting.camera_to_body, mounting.position])
-        base = chosen.least_height
-        growth = chosen.steps * self.camera.step * mounting.height + chosen.slope
-        if not floor.is_seen:
-            base += self.prior.height_tolerance
-            growth += math.tan(self.prior.angle_tolerance)
-        limits = np.array([base, growth, chosen.top, self.camera.furthest])
+        limits = np.array([*self.thresholds(floor), chosen.top, self.camera.furthest])
         area = np.array([grid.x_from, grid.y_from, grid.cell])
         result: tuple[NDArray[np.int32], Array] = sort_pixels(
             frame.image, frame.per_metre, geometry, pose, limits, area, *grid.shape

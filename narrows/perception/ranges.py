@@ -114,13 +114,13 @@ class LaserScan:
         """Whether a single beam says anything; a scan without answers is silence."""
         return bool((self.beams != Beam.INVALID).any())
 
-    @property
+    @cached_property
     def directions(self) -> Array:
         """Unit vector along each beam in the body frame, shape (N, 2)."""
         angle = self.angles + self.mounting.heading
         return np.column_stack([np.cos(angle), np.sin(angle)])
 
-    @property
+    @cached_property
     def points(self) -> Array:
         """Points of the returns in the body frame, in the order of the beams, shape (M, 3), [m]."""
         hit = self.beams == Beam.RETURN

@@ -86,6 +86,19 @@ class Grid:
         cells = np.where(inside[:, None], place, 0.0).astype(np.int64)
         return cells, inside
 
+    def spots(self, chosen: NDArray[np.bool_], spacing: float) -> Array:
+        """Return points that fill the chosen cells, shape (N, 2), [m].
+
+        Args:
+            chosen: Which cells, shape (columns, rows).
+            spacing: Greatest distance between neighbouring points along an axis [m].
+        """
+        count = max(1, math.ceil(self.cell / spacing))
+        share = (np.arange(count) + 0.5) / count
+        inner = np.stack(np.meshgrid(share, share), axis=-1).reshape(1, -1, 2)
+        place = np.argwhere(chosen)[:, None] + inner
+        return np.asarray(place.reshape(-1, 2) * self.cell + [self.x_from, self.y_from])
+
 
 @dataclass(frozen=True, eq=False)
 class Obstacle:
