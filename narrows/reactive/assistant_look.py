@@ -93,9 +93,8 @@ class Look:
         k = regions.index(phi)
         errors = (-self._error, 0.0, self._error) if careful else (0.0,)
         motions = np.array([regions.motion(phi + error, self._faster) for error in errors])
-        found = speed_limit(
+        return speed_limit(
             regions.levels[k], regions.parts[k], self._cells[: self._count],
             self._where[: self._count], regions.norms, self._near, motions, self._timing,
             self._body, part_limits,
         )  # fmt: skip
-        return found

@@ -48,7 +48,8 @@ class Prediction:
         if self._latency == 0.0:
             return pose, v, omega
         while self._sent and self._sent[0][0] <= time + 1e-9:
-            _, *self._acting = self._sent.popleft()
+            _, *acting = self._sent.popleft()
+            self._acting = (acting[0], acting[1])
         coming = list(self._sent)
         x, y, heading = 0.0, 0.0, 0.0
         steps = math.ceil(self._latency / _FINEST - 1e-9)
@@ -57,7 +58,8 @@ class Prediction:
         target = self._acting
         for k in range(steps):
             while coming and coming[0][0] <= time + k * dt + 1e-9:
-                _, *target = coming.pop(0)
+                _, *sent = coming.pop(0)
+                target = (sent[0], sent[1])
             before_v, before_omega = v, omega
             v += share * (target[0] - v)
             omega += share * (target[1] - omega)

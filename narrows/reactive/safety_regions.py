@@ -32,8 +32,8 @@ class RegionOptions:
         spread: How far an obstacle may reach beyond the point that stands for it [m].
         directions: Number of directions phi, a multiple of 8.
         levels: Number of speeds told apart; finer the slower.
-        headroom: Fastest speed looked up, as a multiple of the fastest rim the limits allow: a chair
-            that brakes comfortably stops like one that brakes fully from a higher speed.
+        headroom: Fastest speed in the tables, as a multiple of the fastest rim the limits allow: a
+            chair that brakes comfortably stops like one that brakes fully from a higher speed.
         cell: Edge of a cell [m].
         castor_samples: Samples of the time Tc in which castors turn straight, over 0 to infinity.
         pose_samples: Poses on a braking manoeuvre.
