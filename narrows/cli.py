@@ -198,6 +198,31 @@ def study_command(
     return run_study(name, out=out, jobs=jobs, resume=resume, seed=seed, scenes=scenes, data=data)
 
 
+@narrows.command(
+    "view",
+    short_help="Open the scene in 3-D in the browser.",
+    epilog=_examples(
+        "narrows view examples/scenes/door.yaml",
+        "narrows view --no-open --port 9000",
+    ),
+)
+@click.argument("scene", type=click.Path(), required=False)
+@click.option(
+    "--host", default="127.0.0.1", show_default=True, help="Listen here; 0.0.0.0: everywhere."
+)
+@click.option("--port", default=8080, show_default=True, help="The next free one if it is taken.")
+@click.option("--no-open", is_flag=True, help="Do not open the browser.")
+def view_command(scene: str | None, host: str, port: int, no_open: bool) -> Outcome:
+    """Show the chair, the scene, the plan and the drive in 3-D, in the browser.
+
+    Without SCENE: a door off a corridor. Needs the extra 'view'. What is saved goes into
+    the folder this is started in.
+    """
+    from .commands.view import run_view
+
+    return run_view(scene, host=host, port=port, open_browser=not no_open, say=click.echo)
+
+
 @contextmanager
 def _progress(what: str) -> Iterator[Callable[[float], None]]:
     """Show a bar on standard error after two seconds, where a person looks."""
@@ -263,7 +288,8 @@ def run(arguments: Sequence[str]) -> int:
 def _print(outcome: Outcome, as_json: bool) -> int:
     for note in outcome.notes:
         click.echo(f"narrows: {note}", err=True)
-    click.echo(outcome.as_json() if as_json else outcome.text)
+    if as_json or outcome.text:
+        click.echo(outcome.as_json() if as_json else outcome.text)
     return outcome.code
 
 

@@ -1,0 +1,327 @@
+"""The scene in 3-D: world, chair, ends, motions and marks, on the page and in its replays."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import shapely
+from viser import SceneApi
+
+from narrows.clearance import Certificate
+from narrows.path import Path
+from narrows.scene import Scene
+from narrows.se2 import Array, transform
+from narrows.vehicle import Vehicle
+from narrows.world import FLOOR_TO_CEILING, Solid
+
+from . import palette
+from .chair_mesh import chair_parts
+from .solids_mesh import Mesh, edges_of, flat_mesh, joined, solid_mesh
+from .view_box import view_box, world_box
+
+CUT = 0.8
+"""Height at which walls from floor to ceiling are cut, so that one sees behind them [m]."""
+
+WALL: tuple[int, int, int] = (150, 150, 148)
+THING: tuple[int, int, int] = (176, 137, 92)
+FLOOR: tuple[int, int, int] = (238, 236, 230)
+
+_STEP = 0.02  # m between the points of a drawn line
+_DASH = 0.12  # m
+_STEP_TURN = math.radians(2.0)
+_SWEPT, _PATH, _LABEL = 0.004, 0.012, 0.3  # m above the floor
+
+
+def rgb(colour: str) -> tuple[int, int, int]:
+    """Return `#rrggbb` as numbers.
+
+    >>> rgb("#0072B2")
+    (0, 114, 178)
+    """
+    return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
+
+
+def turn(heading: float) -> tuple[float, float, float, float]:
+    """Return the quaternion [w, x, y, z] of a turn about z [rad]."""
+    return math.cos(0.5 * heading), 0.0, 0.0, math.sin(0.5 * heading)
+
+
+def is_thing(solid: Solid) -> bool:
+    """Return whether a solid is furniture rather than a wall: round, or not up to the ceiling."""
+    return solid.radius > 0.0 or solid.z != FLOOR_TO_CEILING
+
+
+class SceneDrawing:
+    """What stands in a 3-D scene; every method replaces what it drew before."""
+
+    def __init__(self, api: SceneApi) -> None:
+        """Draw into the scene of a page or of a replay."""
+        self.api = api
+        self._named: dict[str, list[Any]] = {}
+
+    def stage(self) -> None:
+        """Set up the light and which way is up."""
+        self.api.set_up_direction("+z")
+        self.api.configure_default_lights(cast_shadow=True)
+
+    def remove(self, group: str) -> None:
+        """Take away what was drawn under a name."""
+        for handle in self._named.pop(group, []):
+            handle.remove()
+
+    def keep(self, group: str, *handles: Any) -> None:
+        """Remember what was drawn under a name."""
+        self._named.setdefault(group, []).extend(handles)
+
+    def mesh(self, name: str, mesh: Mesh, colour: tuple[int, int, int], **looks: Any) -> Any:
+        """Add triangles of one colour and return their handle."""
+        return self.api.add_mesh_simple(
+            name,
+            mesh.vertices.astype(np.float32),
+            mesh.faces.astype(np.uint32),
+            color=colour,
+            flat_shading=looks.pop("flat_shading", True),
+            side=looks.pop("side", "double"),
+            **looks,
+        )
+
+    def world(self, scene: Scene) -> None:
+        """Draw the floor, the walls cut at `CUT`, and the doors; not the things."""
+        self.remove("world")
+        box = world_box(scene.world) or view_box(scene, [])
+        floor = flat_mesh(shapely.box(*box), -0.004)
+        self.keep("world", self.mesh("/world/floor", floor, FLOOR, receive_shadow=False))
+        walls = [solid for solid in scene.world.solids if not is_thing(solid)]
+        if walls:
+            mesh = joined(solid_mesh(solid, solid.z[0], CUT) for solid in walls)
+            self.keep("world", self.mesh("/world/walls", mesh, WALL))
+            rings = [np.array(ring.coords) for solid in walls for ring in _rings(solid)]
+            tops = [_lifted(ring, CUT + 0.002) for ring in rings]
+            segments = np.concatenate([np.stack([t[:-1], t[1:]], axis=1) for t in tops])
+            self.keep("world", self._lines("/world/edges", segments, rgb(palette.WALL), 1.5))
+        for number, door in enumerate(scene.world.doors):
+            label = self.api.add_label(
+                f"/world/door_{number}",
+                f"door {1e3 * door.width:.0f} mm",
+                position=(*door.center, CUT + 0.15),
+                anchor="bottom-center",
+            )
+            self.keep("world", label)
+
+    def things(self, scene: Scene) -> dict[int, Any]:
+        """Draw furniture, each piece where it is, and return the handles by index of solid."""
+        self.remove("things")
+        handles: dict[int, Any] = {}
+        for index, solid in enumerate(scene.world.solids):
+            if is_thing(solid):
+                mesh = solid_mesh(solid, *solid.z)
+                handles[index] = self.mesh(f"/things/{index}", mesh, THING, opacity=0.9)
+        self.keep("things", *handles.values())
+        for number, moving in enumerate(scene.world.moving):
+            disc = shapely.Point(0.0, 0.0).buffer(moving.radius)
+            body = solid_mesh(Solid(disc, 0.0, moving.z), *moving.z)
+            name = f"/moving/{number}"
+            self.keep("things", self.mesh(name, body, rgb(palette.ORANGE), opacity=0.75))
+        self.at_time(scene, 0.0)
+        return handles
+
+    def at_time(self, scene: Scene, time: float) -> None:
+        """Put people where they are at a time [s]."""
+        for number, moving in enumerate(scene.world.moving):
+            handle = self.api.get_handle_by_name(f"/moving/{number}")
+            if handle is not None:
+                handle.position = (*moving.position(time).tolist(), 0.0)
+
+    def chair(self, vehicle: Vehicle) -> None:
+        """Draw the chair with its occupant, and the body it is taken for."""
+        self.remove("chair")
+        self.keep("chair", self.api.add_frame("/chair", show_axes=False))
+        for part in chair_parts(vehicle):
+            self.keep("chair", self.mesh(f"/chair/{part.name}", part.mesh, part.colour))
+        for number, layer in enumerate(vehicle.layers):
+            area = shapely.Polygon(layer.polygon)
+            body = solid_mesh(Solid(area, 0.0, layer.z), *layer.z)
+            name = f"/chair/body_{number}"
+            looks = {"opacity": 0.12, "cast_shadow": False, "receive_shadow": False}
+            self.keep("chair", self.mesh(name, body, rgb(palette.SKY), **looks))
+            edges = edges_of(layer.polygon, max(layer.z[0], 0.01), layer.z[1])
+            self.keep("chair", self._lines(f"{name}_edges", edges, rgb(palette.BLUE), 1.5))
+
+    def place(self, pose: Array) -> None:
+        """Put the chair at a pose (3,)."""
+        handle = self.api.get_handle_by_name("/chair")
+        if handle is not None:
+            handle.position = (float(pose[0]), float(pose[1]), 0.0)
+            handle.wxyz = turn(float(pose[2]))
+
+    def end(self, name: str, vehicle: Vehicle, pose: Array) -> dict[str, Any]:
+        """Draw `start` or `goal`: the body's print on the floor, an arrow; return their handles."""
+        self.remove(name)
+        colour = rgb(palette.START if name == "start" else palette.GOAL)
+        frame = self.api.add_frame(
+            f"/{name}", show_axes=False, position=(*pose[:2], 0.0), wxyz=turn(float(pose[2]))
+        )
+        low = _SWEPT
+        print_ = flat_mesh(shapely.Polygon(vehicle.outline), low + 0.002)
+        body = self.mesh(f"/{name}/print", print_, colour, opacity=0.35, cast_shadow=False)
+        ring = np.concatenate([vehicle.outline, vehicle.outline[:1]])
+        edge = _lifted(ring, low + 0.006)
+        outline = self._lines(
+            f"/{name}/outline", np.stack([edge[:-1], edge[1:]], axis=1), colour, 3.0
+        )
+        tip = vehicle.front_overhang + 0.28
+        head = np.array([[tip, 0.0], [tip - 0.2, 0.11], [tip - 0.2, -0.11]])
+        arrow = self.mesh(
+            f"/{name}/arrow", flat_mesh(shapely.Polygon(head), low + 0.006), colour, opacity=0.95
+        )
+        text = self.api.add_label(
+            f"/{name}/label", name, position=(tip, 0.0, 0.05), anchor="bottom-center"
+        )
+        self.keep(name, frame, body, outline, arrow, text)
+        return {"frame": frame, "body": body, "arrow": arrow}
+
+    def motion(self, group: str, vehicle: Vehicle, poses: Array, *, fault: str = "") -> None:
+        """Draw a motion: the floor it sweeps and the way of the axle.
+
+        One that is not certified, or touched something, is dashed and red and says so.
+
+        Args:
+            group: `plan` or `drive`.
+            vehicle: The body that sweeps.
+            poses: The motion, rows close to each other, shape (N, 3), N >= 2.
+            fault: Why it must not be taken for one that is clear, or empty.
+        """
+        self.remove(group)
+        driven = group == "drive"
+        colour = rgb(palette.REFUSED if fault else palette.GREEN if driven else palette.BLUE)
+        level = _SWEPT + (0.002 if driven else 0.0)
+        swept = flat_mesh(swept_floor(vehicle.outline, poses), level)
+        looks: dict[str, Any] = {"opacity": 0.12 if driven else 0.25, "cast_shadow": False}
+        self.keep(group, self.mesh(f"/{group}/swept", swept, colour, **looks))
+        points = _lifted(poses[:, :2], _PATH + (0.004 if driven else 0.0))
+        segments = np.stack([points[:-1], points[1:]], axis=1)
+        ahead = np.column_stack([np.cos(poses[:-1, 2]), np.sin(poses[:-1, 2])])
+        reverse = np.einsum("nd,nd->n", np.diff(poses[:, :2], axis=0), ahead) < -1e-9
+        if fault:
+            along = np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))
+            shown = (along // _DASH) % 2 == 0
+            segments, reverse = segments[shown], np.zeros(int(shown.sum()), dtype=bool)
+            middle = (*points[len(points) // 2, :2].tolist(), _LABEL)
+            self.keep(group, self.api.add_label(f"/{group}/fault", fault, position=middle))
+        for name, kept, shade in (
+            ("forward", ~reverse, colour),
+            ("reverse", reverse, rgb(palette.REVERSE)),
+        ):
+            if kept.any():
+                self.keep(group, self._lines(f"/{group}/{name}", segments[kept], shade, 4.0))
+
+    def mark(self, at: Array | None, text: str, *, bad: bool) -> None:
+        """Mark the narrowest place with a pin and a text; None: no mark."""
+        self.remove("mark")
+        if at is None:
+            return
+        x, y = float(at[0]), float(at[1])
+        colour = rgb(palette.REFUSED if bad else palette.INK)
+        pin = np.array([[[x, y, 0.0], [x, y, CUT + 0.5]]])
+        disc = flat_mesh(shapely.Point(x, y).buffer(0.12), 0.02)
+        label = self.api.add_label(
+            "/mark/label", text, position=(x, y, CUT + 0.5), anchor="bottom-center"
+        )
+        self.keep(
+            "mark",
+            self._lines("/mark/pin", pin, colour, 4.0),
+            self.mesh("/mark/disc", disc, colour, opacity=0.85, cast_shadow=False),
+            label,
+        )
+
+    def _lines(self, name: str, segments: Array, colour: tuple[int, int, int], width: float) -> Any:
+        """Add line segments (S, 2, 3) of a width in pixels."""
+        return self.api.add_line_segments(
+            name, segments.astype(np.float32), colour, thickness=width, thickness_units="screen"
+        )
+
+
+def spread(path: Path) -> Array:
+    """Return poses along a path, at most 2 cm of progress apart, (N, 3)."""
+    return path(np.linspace(0.0, path.span, max(2, math.ceil(path.span / _STEP) + 1)))
+
+
+def thinned(poses: Array) -> Array:
+    """Return the rows of a motion that are 2 cm or 2 degrees apart, the last among them, (M, 3)."""
+    scaled = poses * [1.0 / _STEP, 1.0 / _STEP, 1.0 / _STEP_TURN]
+    travelled = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(scaled, axis=0)).max(axis=1))])
+    kept = np.unique(np.concatenate([[True], np.diff(np.floor(travelled)) > 0.0]).nonzero()[0])
+    rows = np.union1d(kept, [0, len(poses) - 1])
+    return np.asarray(poses[rows])
+
+
+def swept_floor(outline: Array, poses: Array) -> shapely.Polygon | shapely.MultiPolygon:
+    """Return the area an outline (K, 2) passes over: hulls of neighbouring bodies, joined."""
+    bodies = transform(poses, outline)
+    pairs = np.concatenate([bodies[:-1], bodies[1:]], axis=1)
+    owners = np.repeat(np.arange(len(pairs)), pairs.shape[1])
+    hulls = shapely.convex_hull(shapely.multipoints(pairs.reshape(-1, 2), indices=owners))
+    area: shapely.Polygon | shapely.MultiPolygon = shapely.simplify(shapely.union_all(hulls), 2e-3)
+    return area
+
+
+@dataclass(frozen=True)
+class Camera:
+    """Where a scene is seen from.
+
+    Attributes:
+        position: Of the eye [m].
+        look_at: What is in the middle [m].
+        fov: Angle from the lower to the upper edge [rad].
+    """
+
+    position: tuple[float, float, float]
+    look_at: tuple[float, float, float]
+    fov: float = math.radians(40.0)
+
+
+def camera(scene: Scene) -> Camera:
+    """Return the camera that sees the whole scene, from above and the south."""
+    x0, y0, x1, y1 = view_box(scene, [])
+    reach = 0.5 * max(x1 - x0, 1.3 * (y1 - y0))
+    x, y = 0.5 * (x0 + x1), 0.5 * (y0 + y1)
+    return Camera((x, y - 1.3 * reach, 2.9 * reach), (x, y - 0.05 * reach, 0.0))
+
+
+def _rings(solid: Solid) -> list[shapely.LinearRing]:
+    shape = solid.shape
+    if isinstance(shape, shapely.Point):
+        shape = shape.buffer(solid.radius)
+    return [shape.exterior, *shape.interiors]
+
+
+def _lifted(points: Array, height: float) -> Array:
+    """Return points (N, 2) at a height, (N, 3)."""
+    return np.column_stack([points, np.full(len(points), height)])
+
+
+def nearest_place(scene: Scene, path: Path, certificate: Certificate) -> tuple[Array | None, str]:
+    """Return where a certified motion is nearest to what it must not touch, and the words there.
+
+    The place lies midway between body and solid; where the solid has no area here, such as one
+    that moves, it is the drive axle's.
+    """
+    if not math.isfinite(certificate.clearance):
+        return None, ""
+    text = f"{math.floor(1e3 * certificate.clearance + 1e-9)} mm"
+    if certificate.against:
+        text += f" to {certificate.against}"
+    pose = path(certificate.at[0])
+    found: list[tuple[float, Array]] = []
+    for layer in scene.vehicle.layers:
+        body = shapely.Polygon(transform(pose, layer.polygon))
+        for solid in scene.world.solids:
+            meets = solid.z[0] < layer.z[1] and layer.z[0] < solid.z[1]
+            if meets and solid.name == certificate.against:
+                line = shapely.shortest_line(body, solid.shape.buffer(solid.radius))
+                found.append((line.length, shapely.get_coordinates(line).mean(axis=0)))
+    place = min(found, key=lambda pair: pair[0])[1] if found else np.asarray(pose[:2])
+    return place, text
