@@ -85,7 +85,7 @@ class GridMapper:
         pose: ArrayLike,
         *,
         cell: float = 0.02,
-        odometry: tuple[float, float] = (0.05, 0.05),
+        odometry: tuple[float, float] = (0.1, 0.1),
     ) -> None:
         """Begin an empty map.
 
@@ -138,7 +138,7 @@ class GridMapper:
 
 
 def aligned(
-    grid: GridMap, pose: Array, points: Array, spread: tuple[float, float], noise: float = 0.03
+    grid: GridMap, pose: Array, points: Array, spread: tuple[float, float], noise: float = 0.02
 ) -> Array:
     """Return the pose that puts a scan's points onto a map's walls, shape (3,), [m, m, rad].
 
@@ -155,7 +155,7 @@ def aligned(
     first = pose.copy()
     holds = np.diag(1.0 / np.array([spread[0], spread[0], spread[1]]) ** 2)
     around = 0.5 * grid.cell
-    share = 1.0 / max(1.0, len(points) / 60.0)  # neighbouring beams err alike: count as 60
+    share = min(1.0, 100.0 / len(points))  # neighbouring beams err alike: all count as 100
     for _ in range(_ROUNDS):
         places = transform(pose, points)  # (M, 2)
         distance = grid.distance(places)
