@@ -32,7 +32,11 @@ class Surfaces:
 
 
 class SensedWorld:
-    """A world as sensors meet it; made once, asked at many times."""
+    """A world as sensors meet it; made once, asked at many times.
+
+    Attributes:
+        world: The world itself.
+    """
 
     def __init__(self, world: World, *, invisible: Collection[str] = ()) -> None:
         """Take a world apart into convex pieces.
@@ -45,6 +49,7 @@ class SensedWorld:
         Raises:
             InputError: If nothing in the world has one of these names.
         """
+        self.world = world
         names = {s.name for s in world.solids} | {m.name for m in world.moving}
         for name in invisible:
             if name not in names:

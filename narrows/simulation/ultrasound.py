@@ -84,15 +84,17 @@ def measure_ranges(
     pose: ArrayLike,
     sensors: Array,
     *,
+    time: float = 0.0,
     options: UltrasoundOptions | None = None,
     rng: np.random.Generator | None = None,
 ) -> Array:
     """Return a reading of every sensor, shape (S,), [m].
 
     Args:
-        world: Solids that stand still; circles are seen as circles.
+        world: Solids and moving solids; circles are seen as circles.
         pose: True pose of the chair, shape (3,), [m, m, rad].
         sensors: Poses of the sensors on the chair, shape (S, 3), such as `sensor_ring`.
+        time: When [s]: moving solids are where they are then.
         options: Default `UltrasoundOptions()`.
         rng: Source of the noise; None: exact readings.
     """
@@ -107,7 +109,11 @@ def measure_ranges(
         begin = pieces.corners[flat].reshape(-1, 2)
         end = np.roll(pieces.corners[flat], -1, axis=1).reshape(-1, 2)
         reading = np.minimum(reading, _echoes(placed, heading, begin, end, options))
-    for centre, radius in zip(pieces.corners[~flat, 0], pieces.radius[~flat], strict=True):
+    rounds = list(zip(pieces.corners[~flat, 0], pieces.radius[~flat], strict=True))
+    for solid in world.moving:
+        if solid.z[0] < options.height + 1e-6 and options.height < solid.z[1]:
+            rounds.append((solid.position(time), solid.radius))
+    for centre, radius in rounds:
         offset = centre - placed[:, :2]
         distance = np.hypot(offset[:, 0], offset[:, 1])
         aside = np.abs(_wrapped(np.arctan2(offset[:, 1], offset[:, 0]) - placed[:, 2]))

@@ -1,4 +1,4 @@
-"""How long the simulated sensors take among 20 solids; goals: a frame 10 ms, a scan 1 ms."""
+"""How long simulated sensors and percepts take among 20 solids; goals: a frame 10 ms, others 1."""
 
 import math
 
@@ -6,9 +6,13 @@ import numpy as np
 import pytest
 
 from narrows.perception.camera import Mounting
+from narrows.scene import Goal, Scene
+from narrows.simulation.chair_senses import two_lasers
 from narrows.simulation.depth_sensor import DepthSensor, kinect
 from narrows.simulation.laser import LaserManners, LaserScanner
+from narrows.simulation.senses import IdealSenses
 from narrows.simulation.surfaces import SensedWorld
+from narrows.vehicle import Vehicle
 from narrows.world import Solid, World
 
 HERE = np.zeros(3)
@@ -52,3 +56,19 @@ def test_a_frame_with_noise_too(benchmark, world, camera):
 def test_a_scan(benchmark, world, beams):
     laser, rng = LaserScanner(manners=LaserManners(beams=beams)), np.random.default_rng(0)
     assert benchmark(laser.measure, world, HERE, rng=rng).has_answer
+
+
+def test_a_percept_by_two_lasers_of_541_beams_at_12_and_a_half_hertz(benchmark, world):
+    """The mean of a second of control steps, 12 or 13 of them with new scans, is a round."""
+    scene = Scene(Vehicle.rectangle(1.0, 0.67, 0.25), world.world, HERE, Goal(HERE))
+    senses, steps = two_lasers(scene), iter(range(10**9))
+
+    def second() -> int:
+        return sum(len(senses.perceive(0.02 * next(steps), HERE, HERE).points) for _ in range(50))
+
+    assert benchmark(second) > 0
+
+
+def test_an_ideal_percept(benchmark, world):
+    senses = IdealSenses(world.world)
+    assert len(benchmark(senses.perceive, 0.0, HERE, HERE).points) > 100

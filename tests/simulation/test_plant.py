@@ -170,6 +170,20 @@ def test_odometry_does_not_see_slip_or_a_wrong_radius() -> None:
     assert odometry.estimate(chair, 0.02)[0] == pytest.approx(pose[0] / 1.02, abs=0.002)
 
 
+def test_odometry_misses_what_unequal_wheels_and_a_wrong_track_do_to_the_heading() -> None:
+    bent = PlantOptions(left_radius_error=0.01)
+    chair = Plant(CHAIR, np.zeros(3), bent, np.random.default_rng(0))
+    odometry = EncoderOdometry().start(CHAIR, bent, chair.pose, np.random.default_rng(0))
+    turned = drive(chair, 0.5, 0.0, 200)[-1, 2]
+    assert turned == pytest.approx(-0.01 * chair.ticks[0] * 0.002 / CHAIR.track, abs=1e-4)
+    assert odometry.estimate(chair, 0.02)[2] == pytest.approx(0.0, abs=0.002 / CHAIR.track)
+    wide = PlantOptions(track_error=0.05)
+    chair = Plant(CHAIR, np.zeros(3), wide, np.random.default_rng(0))
+    odometry = EncoderOdometry().start(CHAIR, wide, chair.pose, np.random.default_rng(0))
+    turned = drive(chair, 0.0, 0.5, 400)[-1, 2]
+    assert odometry.estimate(chair, 0.02)[2] == pytest.approx(1.05 * turned, abs=0.009)
+
+
 def test_castors_turn_the_chair_once_after_reversing() -> None:
     flip = CastorFlip(angle=0.05, distance=0.2)
     chair = plant(**IDEAL, castor_flip=flip)

@@ -16,7 +16,7 @@ from narrows.simulation.ultrasound import (
     sensor_ring,
 )
 from narrows.vehicle import Vehicle
-from narrows.world import Solid, World
+from narrows.world import MovingSolid, Solid, World
 
 CHAIR = Vehicle.rectangle(1.0, 0.67, 0.0)
 WALL = World((Solid.polygon([[2, -5], [2.1, -5], [2.1, 5], [2, 5]], name="wall"),))
@@ -129,3 +129,11 @@ def test_too_far_from_the_wall_across_is_said():
     ranges = measure_ranges(Corridor(1.3).world(), [-3.0, 0.65, 0.0], ring)
     with pytest.raises(ShapeError, match="drive nearer to the corner"):
         read_corner(CHAIR, ring, ranges, width_after=1.3)
+
+
+def test_somebody_is_heard_where_he_is_at_the_time():
+    walker = MovingSolid(0.2, np.array([[0, 1.0, 0.0], [2, 2.0, 0.0]]), (0.0, 1.8))
+    child = MovingSolid(0.2, walker.path - [0, 0.3, 0], (0.0, 0.3))  # lower than the sensor
+    world = World(moving=(walker, child))
+    readings = [measure_ranges(world, [0, 0, 0], AHEAD, time=t)[0] for t in (0.0, 1.0, 9.0)]
+    assert readings == pytest.approx([0.8, 1.3, 1.8])
