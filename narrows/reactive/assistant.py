@@ -211,7 +211,8 @@ class Assistant:
         _, wanted = self._regions.polar(*target)
         if norm < 10.0 * _STILL or wanted < _STILL:
             return target
-        limit = self._braking.comfortable(self._look.limit(phi))
+        accelerating = math.copysign(1.0, v) * self._smooth.rates[0]
+        limit = self._braking.comfortable(self._look.limit(phi), accelerating)
         if wanted <= limit:
             return target
         return limit / wanted * target[0], limit / wanted * target[1]
@@ -227,15 +228,23 @@ class Assistant:
             actual > self._look.limit(actual_phi) + 2.0 * self._options.disobedience
         )
         if not runaway:
-            limit = self._braking.comfortable(self._look.limit(phi)) if norm > _STILL else 0.0
-            slower = regions.motion(phi, min(limit, norm))
-            for goal in (target, slower, (0.0, 0.0)):
+            for goal in (target, self._slower(target), (0.0, 0.0)):
                 proposed = smooth.proposed(*goal)
                 if self._may(*proposed):
                     return smooth.take(*proposed), False
         less = 2.0 * regions.options.deceleration * smooth.period
         braked = regions.motion(phi, max(0.0, norm - less))
         return smooth.force(*braked), norm > 0.0
+
+    def _slower(self, target: tuple[float, float]) -> tuple[float, float]:
+        """Return a goal in the direction of the last command that is no faster than the target."""
+        last = self._smooth.command
+        phi, norm = self._regions.polar(*last)
+        _, wanted = self._regions.polar(*target)
+        if norm < _STILL or last[0] * target[0] <= 0.0:
+            return 0.0, 0.0
+        limit = self._braking.comfortable(self._look.limit(phi))
+        return self._bounded(phi, min(limit, norm, wanted), target)
 
     def _may(self, v: Smooth, omega: Smooth) -> bool:
         """Return whether a full braking can follow a command."""

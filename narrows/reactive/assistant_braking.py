@@ -22,12 +22,14 @@ class ComfortBraking:
         deceleration: Of a full braking [m/s^2].
         gentle_latency: Latency of comfortable braking, the time to build it up counted [s].
         gentle_deceleration: Deceleration of comfortable braking [m/s^2].
+        jerk: Rate at which an acceleration is taken back [m/s^3].
     """
 
     latency: float
     deceleration: float
     gentle_latency: float
     gentle_deceleration: float
+    jerk: float
 
     @classmethod
     def of(cls, options: RegionOptions, limits: MotionLimits, share: float) -> ComfortBraking:
@@ -43,11 +45,18 @@ class ComfortBraking:
                 f"safety regions, {options.deceleration:.3g} m/s^2: compute them for a harder one"
             )
         latency = options.latency + 0.5 * gentle / limits.jerk
-        return cls(options.latency, options.deceleration, latency, gentle)
+        return cls(options.latency, options.deceleration, latency, gentle, limits.jerk)
 
-    def comfortable(self, norm: float) -> float:
-        """Return the comfortable speed norm of a full braking's [m/s]."""
+    def comfortable(self, norm: float, rate: float = 0.0) -> float:
+        """Return the comfortable speed norm of a full braking's [m/s].
+
+        Args:
+            norm: Greatest speed norm of a full braking [m/s]; may be infinite.
+            rate: Acceleration of the rims that must be taken back first [m/s^2].
+        """
         rim = 0.5 * norm
         way = rim * self.latency + rim * rim / (2.0 * self.deceleration)
-        lost = self.gentle_deceleration * self.gentle_latency
-        return 2.0 * (math.sqrt(lost * lost + 2.0 * self.gentle_deceleration * way) - lost)
+        rising = max(rate, 0.0)
+        lost = self.gentle_deceleration * (self.gentle_latency + rising / self.jerk)
+        gentle = math.sqrt(lost * lost + 2.0 * self.gentle_deceleration * way) - lost
+        return 2.0 * max(0.0, gentle - 0.5 * rising * rising / self.jerk)

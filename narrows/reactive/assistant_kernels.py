@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..se2 import Array
-from .safety_regions_kernels import NEVER, Levels, braking_poses, compiled, signed_distance
+from .safety_regions_kernels import NEVER, Levels, braking_poses, compiled
 
 _POSES = 6  # along a braking manoeuvre looked at exactly; the first is the start
+FRAMES = 2 * (_POSES - 1)  # of them kept for each error
 
 
 @compiled
@@ -25,7 +26,7 @@ def place(
     cell: float,
     rows: int,
     columns: int,
-    body: Array,
+    edges: Array,
     cells: NDArray[np.int32],
     where: Array,
     count: int,
@@ -43,7 +44,7 @@ def place(
         cell: Edge of a cell [m].
         rows: Cells along x.
         columns: Cells along y.
-        body: The outline, shape (K, 2), [m].
+        edges: Edges of the outline as `edge_rows`, shape (K, 3).
         cells: Filled with cells, row x columns + column, shape (room,).
         where: Filled with x, y and the distance to be kept, shape (room, 3): `keep`, or less if
             the point already is nearer than that.
@@ -61,7 +62,7 @@ def place(
         last_column = min(columns - 1, math.floor((y + grown - lower[1]) / cell))
         if first_row > last_row or first_column > last_column:
             continue
-        distance = signed_distance(body, x, y)
+        distance = beyond(edges, x, y)
         if is_unknown and distance < 0.0:
             continue
         for row in range(first_row, last_row + 1):
@@ -83,9 +84,8 @@ def speed_limit(
     where: Array,
     norms: Array,
     near: Array,
-    motions: Array,
-    timing: Array,
-    body: Array,
+    brakings: Array,
+    edges: Array,
     part_limits: Array,
 ) -> float:
     """Return the greatest speed norm at which a direction's region holds no point.
@@ -100,15 +100,12 @@ def speed_limit(
         where: Their places and the distances to be kept, shape (N, 3).
         norms: Speed norm of each level, shape (L,), [m/s].
         near: Speed norms looked at exactly, increasing, shape (P,), [m/s].
-        motions: v and omega per unit of speed norm that are looked at, shape (E, 2).
-        timing: Latency [s] and rim deceleration [m/s^2].
-        body: The outline, shape (K, 2), [m].
+        brakings: Poses of the body in full brakings from them, as `braking_frames`.
+        edges: Edges of the outline as `edge_rows`, shape (K, 3).
         part_limits: Filled with the limit set by each part of the body, shape (8,); or empty:
             not wanted.
     """
     flat_levels, flat_parts = plane.ravel(), parts.ravel()
-    poses = np.empty((len(near), 2 * len(motions), _POSES, 3))
-    ready = 0  # number of speeds whose poses are there
     detailed = len(part_limits) > 0
     part_limits[:] = math.inf
     limit = math.inf
@@ -119,19 +116,14 @@ def speed_limit(
         own = norms[level - 1] if level > 0 else 0.0
         if not detailed and own >= limit:
             continue
-        if own < near[-1]:
-            for q in range(len(near)):
-                if near[q] <= own:
-                    continue
-                if not detailed and own >= limit:
-                    break
-                if q >= ready:
-                    for r in range(ready, q + 1):
-                        _braking(near[r], motions, timing, poses[r])
-                    ready = q + 1
-                if not _stays_clear(poses[q], where[k], body):
-                    break
-                own = near[q]
+        for q in range(len(near)):
+            if near[q] <= own:
+                continue
+            if not detailed and own >= limit:
+                break
+            if not _stays_clear(brakings[q], where[k], edges):
+                break
+            own = near[q]
         limit = min(limit, own)
         if detailed:
             part = flat_parts[cells[k]]
@@ -140,24 +132,49 @@ def speed_limit(
 
 
 @compiled
-def _braking(norm: float, motions: Array, timing: Array, poses: Array) -> None:
-    """Write the poses of full brakings from a speed: all errors, castors kept and straightened."""
-    duration = 0.5 * norm / timing[1]
-    for e in range(len(motions)):
-        v, omega = motions[e, 0] * norm, motions[e, 1] * norm
-        braking_poses(v, omega, duration, timing[0], 1.0, poses[2 * e])
-        braking_poses(v, omega, duration, timing[0], 0.0, poses[2 * e + 1])
+def _stays_clear(frames: Array, point: Array, edges: Array) -> bool:
+    """Return whether a body on its way never comes nearer to a point than is to be kept."""
+    least = point[2] - 1e-6  # m: rounding
+    for i in range(len(frames)):
+        dx, dy = point[0] - frames[i, 0], point[1] - frames[i, 1]
+        x = frames[i, 2] * dx + frames[i, 3] * dy
+        y = frames[i, 2] * dy - frames[i, 3] * dx
+        if beyond(edges, x, y) < least:
+            return False
+    return True
 
 
 @compiled
-def _stays_clear(poses: Array, point: Array, body: Array) -> bool:
-    """Return whether a body on its way never comes nearer to a point than is to be kept."""
-    least = point[2] - 1e-6  # m: rounding
-    for m in range(len(poses)):
-        for i in range(1, poses.shape[1]):
-            x, y, heading = poses[m, i]
-            cosine, sine = math.cos(heading), math.sin(heading)
-            dx, dy = point[0] - x, point[1] - y
-            if signed_distance(body, cosine * dx + sine * dy, cosine * dy - sine * dx) < least:
-                return False
-    return True
+def beyond(edges: Array, x: float, y: float) -> float:
+    """Return how far a point is beyond the edge of a body it is furthest beyond [m].
+
+    Negative: inside. Never more than the distance from the body, less only off its corners.
+    """
+    best = -math.inf
+    for k in range(len(edges)):
+        best = max(best, edges[k, 0] * x + edges[k, 1] * y - edges[k, 2])
+    return best
+
+
+@compiled
+def braking_frames(motions: Array, near: Array, timing: Array, frames: Array) -> None:
+    """Write where the body is in full brakings: all errors, castors that keep a curve or do not.
+
+    Args:
+        motions: v and omega per unit of speed norm, one row for each error, shape (E, 2).
+        near: Speed norms, shape (P,), [m/s].
+        timing: Latency [s] and rim deceleration [m/s^2].
+        frames: Filled with x, y, cosine and sine of the heading, shape (P, 2 E 5, 4).
+    """
+    poses = np.empty((_POSES, 3))
+    for q in range(len(near)):
+        filled = 0
+        for e in range(len(motions)):
+            for castors in range(2):
+                v, omega = motions[e, 0] * near[q], motions[e, 1] * near[q]
+                braking_poses(v, omega, 0.5 * near[q] / timing[1], timing[0], castors, poses)
+                for i in range(_POSES - 1, 0, -1):  # the last is the likeliest to be too near
+                    frames[q, filled, 0], frames[q, filled, 1] = poses[i, 0], poses[i, 1]
+                    frames[q, filled, 2] = math.cos(poses[i, 2])
+                    frames[q, filled, 3] = math.sin(poses[i, 2])
+                    filled += 1

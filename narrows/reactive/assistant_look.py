@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
+from ..geometry import edge_normals
 from ..se2 import Array
 from ..vehicle import Vehicle
-from .assistant_kernels import place, speed_limit
+from .assistant_kernels import FRAMES, braking_frames, place, speed_limit
 from .safety_regions import SafetyRegions
+from .safety_regions_painting import motions_of
 from .side_tables import PARTS
 
 _NEAR_RIMS = (0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5)
@@ -23,26 +23,26 @@ class Look:
     """Looks obstacles up in a chair's safety regions; made once, shown the points at each step."""
 
     def __init__(self, vehicle: Vehicle, regions: SafetyRegions) -> None:
-        """Make room.
+        """Prepare the brakings looked at exactly.
 
         Args:
             vehicle: The chair.
             regions: Its regions.
         """
-        self.regions = regions
+        self._regions = regions
         self._height = vehicle.height
-        self._body = np.ascontiguousarray(regions.outline)
+        self._edges = edge_rows(regions.outline)
         self._cells = np.empty(_ROOM, dtype=np.int32)
         self._where = np.empty((_ROOM, 3))
         self._count = 0
         near = 2.0 * np.array(_NEAR_RIMS)
         self._near = near[near <= regions.norms[-1] + 1e-9]
         options = regions.options
-        faster = 1.0 + options.speed_error
-        self._timing = np.array([options.latency, options.deceleration / faster])
-        self._error = options.speed_error + math.pi / options.directions
-        self._faster = faster
-        self.is_full = False
+        timing = np.array([options.latency, options.deceleration / (1.0 + options.speed_error)])
+        self._brakings = np.empty((options.directions, len(self._near), 3 * FRAMES, 4))
+        for k in range(options.directions):
+            motions = motions_of(k, regions.track, options)
+            braking_frames(motions, self._near, timing, self._brakings[k])
 
     def show(self, points: Array, unknown: Array, spread: float, pose: Array) -> None:
         """Take in the obstacles of a step.
@@ -53,7 +53,7 @@ class Look:
             spread: How far an obstacle may reach beyond its point [m].
             pose: Where the chair will be when a command takes effect, body frame, shape (3,).
         """
-        regions = self.regions
+        regions = self._regions
         options = regions.options
         keep = options.margin + spread
         grown = max(0.0, spread - options.spread)
@@ -62,39 +62,41 @@ class Look:
         for which, is_unknown in ((points, False), (unknown, True)):
             count = place(
                 np.ascontiguousarray(which), self._height, keep, grown, is_unknown, pose,
-                regions.lower, options.cell, rows, columns, self._body, self._cells, self._where,
+                regions.lower, options.cell, rows, columns, self._edges, self._cells, self._where,
                 count,
             )  # fmt: skip
         self._count = count
-        self.is_full = count == _ROOM
 
-    def limit(self, phi: float, *, careful: bool = True) -> float:
+    def limit(self, phi: float) -> float:
         """Return the greatest speed norm at which a full braking in a direction stays clear [m/s].
 
         Infinite if no point lies in the direction's region at any speed it knows of.
 
         Args:
             phi: Direction [rad].
-            careful: Try near points with all errors of the wheels; else without any.
         """
-        return self._limit(phi, careful, _NO_PARTS)
+        return self._limit(phi, _NO_PARTS)
 
     def part_limits(self, phi: float) -> Array:
         """Return the limit each part of the body sets to a direction, shape (8,), [m/s]."""
         limits = np.empty(len(PARTS))
-        self._limit(phi, True, limits)
+        self._limit(phi, limits)
         return limits
 
-    def _limit(self, phi: float, careful: bool, part_limits: Array) -> float:
-        if self.is_full:
+    def _limit(self, phi: float, part_limits: Array) -> float:
+        if self._count == _ROOM:
             part_limits[:] = 0.0
             return 0.0
-        regions = self.regions
+        regions = self._regions
         k = regions.index(phi)
-        errors = (-self._error, 0.0, self._error) if careful else (0.0,)
-        motions = np.array([regions.motion(phi + error, self._faster) for error in errors])
         return speed_limit(
             regions.levels[k], regions.parts[k], self._cells[: self._count],
-            self._where[: self._count], regions.norms, self._near, motions, self._timing,
-            self._body, part_limits,
+            self._where[: self._count], regions.norms, self._near, self._brakings[k], self._edges,
+            part_limits,
         )  # fmt: skip
+
+
+def edge_rows(outline: Array) -> Array:
+    """Return a body's edges as rows [n_x, n_y, c], n . p <= c inside, shape (K, 3)."""
+    normals = edge_normals(outline)
+    return np.column_stack([normals, np.einsum("kd,kd->k", normals, outline)])

@@ -25,6 +25,7 @@ class AvoidanceOptions:
         straight_band: Directions this near to straight count as indicating no side [rad].
         widest: Furthest deviation from the indicated direction phi [rad].
         step: Distance of the directions tried [rad].
+        slow: Rim speed that is worth any deviation when the indicated direction is blocked [m/s].
         cost: Share of the speed a deviation by `widest` must be worth.
         change_cost: The same for changing the deviation of the last step by `widest`.
         gain: Least gain over braking alone, as a share of the speed asked for.
@@ -33,6 +34,7 @@ class AvoidanceOptions:
     straight_band: float = math.radians(2.0)
     widest: float = math.radians(40.0)
     step: float = math.radians(2.0)
+    slow: float = 0.2
     cost: float = 0.4
     change_cost: float = 0.3
     gain: float = 0.1
@@ -88,7 +90,8 @@ def way_past(
     """Return by how much to deviate from the indicated direction [rad]; 0: not at all.
 
     Of the directions to the sides to be tried, the one whose comfortable speed, less the costs of
-    deviating and of changing one's mind, is greatest.
+    deviating and of changing one's mind, is greatest. Speeds beyond twice what the indicated
+    direction allows, or beyond twice `slow`, are worth no more.
 
     Args:
         look: Obstacles.
@@ -101,8 +104,12 @@ def way_past(
         options: Costs and limits.
     """
     best, chosen = -math.inf, 0.0
+    blocked = braking.comfortable(look.limit(phi))
+    wanted = min(wanted, 2.0 * max(blocked, options.slow))
     for deviation in _deviations(phi, forward, sides, options):
-        limit = braking.comfortable(look.limit(phi + deviation, careful=False))
+        if 1.0 - options.cost * abs(deviation) / options.widest < best:
+            break  # not even a free way would be worth more
+        limit = braking.comfortable(look.limit(phi + deviation))
         worth = min(limit, wanted) / wanted
         worth -= options.cost * abs(deviation) / options.widest
         worth -= options.change_cost * abs(deviation - last) / options.widest

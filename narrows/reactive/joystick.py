@@ -39,8 +39,8 @@ class Axis:
     def share(self, deflection: float) -> float:
         """Return the share of the full command, -1 to 1; 0 for what is not finite.
 
-        >>> axis = Axis(dead_zone=0.1, full=1.0)
-        >>> axis.share(0.1), axis.share(-0.55), axis.share(3.0)
+        >>> axis = Axis(dead_zone=0.25, full=1.0)
+        >>> axis.share(0.25), axis.share(-0.625), axis.share(3.0)
         (0.0, -0.5, 1.0)
         """
         if not math.isfinite(deflection):
@@ -60,6 +60,9 @@ class Axis:
 @dataclass(frozen=True)
 class Joystick:
     """A proportional joystick: forward commands speed, sideways the heading rate.
+
+    To the left always turns left, backwards too: a stick that turned the other way in reverse would
+    jump where it passes from forward to backward.
 
     "The deflection of the joystick maps proportional onto the direction and the velocities of the
     wheelchair" [DrivingAssistant, Sec. IV].
@@ -163,9 +166,7 @@ def _two(values: ArrayLike, problem: str) -> tuple[float, float]:
 def _command(limits: MotionLimits, forward: float, left: float) -> Array:
     """Return the command of shares of the limits."""
     top = limits.speed if forward >= 0.0 else limits.reverse_speed
-    # A chair driven backwards turns as a car does: the stick points to where the rear goes.
-    turn = left if forward >= 0.0 else -left
-    return np.array(limits.clipped(forward * top, turn * limits.yaw_rate))
+    return np.array(limits.clipped(forward * top, left * limits.yaw_rate))
 
 
 def _shares(limits: MotionLimits, command: ArrayLike) -> tuple[float, float]:
@@ -173,5 +174,4 @@ def _shares(limits: MotionLimits, command: ArrayLike) -> tuple[float, float]:
     v, omega = _two(command, "a command must be [v, omega]")
     top = limits.speed if v >= 0.0 else limits.reverse_speed
     forward = v / top if top > 0.0 else 0.0
-    left = omega / limits.yaw_rate
-    return forward, left if v >= 0.0 else -left
+    return forward, omega / limits.yaw_rate

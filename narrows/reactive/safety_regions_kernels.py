@@ -325,18 +325,3 @@ def part_met(body: Array, x: float, y: float) -> int:
     if abs(normal_x) >= abs(normal_y):
         return right if normal_x > 0.0 else 6 + right
     return (2 if x >= 0.0 else 4) + right
-
-
-@compiled
-def signed_distance(body: Array, x: float, y: float) -> float:
-    """Return how far a point is beyond the edge it is furthest beyond; negative: inside.
-
-    Never more than the distance from the body; less only off its corners.
-    """
-    best = -math.inf
-    for k in range(len(body)):
-        j = k + 1 if k + 1 < len(body) else 0
-        ex, ey = body[j, 0] - body[k, 0], body[j, 1] - body[k, 1]
-        distance = (ey * (x - body[k, 0]) - ex * (y - body[k, 1])) / math.sqrt(ex * ex + ey * ey)
-        best = max(best, distance)
-    return best

@@ -48,7 +48,7 @@ def painted(
     poses = np.empty((4 * options.pose_samples, 3))
     scratch = np.empty_like(body)
     for k in range(options.directions):
-        motions = faster * _motions(k, track, options)
+        motions = motions_of(k, track, options)
         paint_direction(
             levels[k], motions, norms, timing, castors, body, lower, options.cell,
             options.pose_samples,
@@ -63,8 +63,10 @@ def painted(
     return _cropped(lower, levels, parts, options.cell)
 
 
-def _motions(index: int, track: float, options: RegionOptions) -> Array:
-    """Return [v, omega] per unit of speed norm: at one end of the error, without, at the other.
+def motions_of(index: int, track: float, options: RegionOptions) -> Array:
+    """Return what a direction's region allows for, [v, omega] per unit of speed norm, shape (3, 2).
+
+    At one end of the errors, without any, at the other.
 
     Wheel errors of a share e of the faster wheel turn the direction by at most e radian; a
     region also serves the directions half a step to both sides.
@@ -73,7 +75,7 @@ def _motions(index: int, track: float, options: RegionOptions) -> Array:
     error = options.speed_error + 0.5 * step
     phi = index * step + np.array([-error, 0.0, error])
     left, right = np.cos(phi), np.sin(phi)
-    scale = 1.0 / (np.abs(left) + np.abs(right))
+    scale = (1.0 + options.speed_error) / (np.abs(left) + np.abs(right))
     return np.stack([0.5 * scale * (left + right), scale * (right - left) / track], axis=-1)
 
 
