@@ -14,7 +14,7 @@ from viser import ClientHandle, ViserServer
 
 from narrows.errors import InputError
 
-from .page_drawing import camera
+from .page_drawing import SceneDrawing, camera
 from .page_jobs import JobRunner
 from .page_session import Session
 from .page_state import SceneState
@@ -83,6 +83,7 @@ class Page:
 
     def _dress(self) -> None:
         server, place = self._server, camera(self.state.scene)
+        SceneDrawing(server.scene).stage()
         server.gui.configure_theme(
             control_layout="fixed",
             control_width="medium",
@@ -90,6 +91,7 @@ class Page:
             show_share_button=False,
             brand_color=(0, 114, 178),
         )
+        server.initial_camera.near = 0.1  # m: closer, and what lies on the floor flickers
         server.initial_camera.fov = place.fov
         server.initial_camera.position = place.position
         server.initial_camera.look_at = place.look_at

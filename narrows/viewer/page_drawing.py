@@ -31,8 +31,11 @@ FLOOR: tuple[int, int, int] = (238, 236, 230)
 
 _STEP = 0.02  # m between the points of a drawn line
 _DASH = 0.12  # m
+_FOV = math.radians(40.0)
+_TILT = 62.0  # degrees the camera looks down
 _STEP_TURN = math.radians(2.0)
-_SWEPT, _PATH, _LABEL = 0.004, 0.012, 0.3  # m above the floor
+_PIN = 1.5  # m
+_SWEPT, _PATH, _LABEL = 0.01, 0.06, 0.3  # m above the floor
 
 
 def rgb(colour: str) -> tuple[int, int, int]:
@@ -65,7 +68,12 @@ class SceneDrawing:
     def stage(self) -> None:
         """Set up the light and which way is up."""
         self.api.set_up_direction("+z")
-        self.api.configure_default_lights(cast_shadow=True)
+        self.api.configure_default_lights(False)
+        self.api.add_light_ambient("/light/everywhere", intensity=1.6)
+        self.api.add_light_directional(
+            "/light/sun", intensity=1.7, position=(-2.0, -4.0, 7.0), cast_shadow=False
+        )
+        self.api.configure_environment_map(None)
 
     def remove(self, group: str) -> None:
         """Take away what was drawn under a name."""
@@ -83,8 +91,10 @@ class SceneDrawing:
             mesh.vertices.astype(np.float32),
             mesh.faces.astype(np.uint32),
             color=colour,
-            flat_shading=looks.pop("flat_shading", True),
-            side=looks.pop("side", "double"),
+            flat_shading=True,
+            side="double",
+            cast_shadow=False,  # shadows cost seconds where there is no graphics card
+            receive_shadow=False,
             **looks,
         )
 
@@ -93,7 +103,7 @@ class SceneDrawing:
         self.remove("world")
         box = world_box(scene.world) or view_box(scene, [])
         floor = flat_mesh(shapely.box(*box), -0.004)
-        self.keep("world", self.mesh("/world/floor", floor, FLOOR, receive_shadow=False))
+        self.keep("world", self.mesh("/world/floor", floor, FLOOR))
         walls = [solid for solid in scene.world.solids if not is_thing(solid)]
         if walls:
             mesh = joined(solid_mesh(solid, solid.z[0], CUT) for solid in walls)
@@ -106,8 +116,8 @@ class SceneDrawing:
             label = self.api.add_label(
                 f"/world/door_{number}",
                 f"door {1e3 * door.width:.0f} mm",
-                position=(*door.center, CUT + 0.15),
-                anchor="bottom-center",
+                position=(*door.center, 0.05),
+                anchor="center-center",
             )
             self.keep("world", label)
 
@@ -145,8 +155,7 @@ class SceneDrawing:
             area = shapely.Polygon(layer.polygon)
             body = solid_mesh(Solid(area, 0.0, layer.z), *layer.z)
             name = f"/chair/body_{number}"
-            looks = {"opacity": 0.12, "cast_shadow": False, "receive_shadow": False}
-            self.keep("chair", self.mesh(name, body, rgb(palette.SKY), **looks))
+            self.keep("chair", self.mesh(name, body, rgb(palette.SKY), opacity=0.12))
             edges = edges_of(layer.polygon, max(layer.z[0], 0.01), layer.z[1])
             self.keep("chair", self._lines(f"{name}_edges", edges, rgb(palette.BLUE), 1.5))
 
@@ -165,17 +174,17 @@ class SceneDrawing:
             f"/{name}", show_axes=False, position=(*pose[:2], 0.0), wxyz=turn(float(pose[2]))
         )
         low = _SWEPT
-        print_ = flat_mesh(shapely.Polygon(vehicle.outline), low + 0.002)
-        body = self.mesh(f"/{name}/print", print_, colour, opacity=0.35, cast_shadow=False)
+        print_ = flat_mesh(shapely.Polygon(vehicle.outline), low + 0.02)
+        body = self.mesh(f"/{name}/print", print_, colour, opacity=0.35)
         ring = np.concatenate([vehicle.outline, vehicle.outline[:1]])
-        edge = _lifted(ring, low + 0.006)
+        edge = _lifted(ring, low + 0.03)
         outline = self._lines(
             f"/{name}/outline", np.stack([edge[:-1], edge[1:]], axis=1), colour, 3.0
         )
         tip = vehicle.front_overhang + 0.28
         head = np.array([[tip, 0.0], [tip - 0.2, 0.11], [tip - 0.2, -0.11]])
         arrow = self.mesh(
-            f"/{name}/arrow", flat_mesh(shapely.Polygon(head), low + 0.006), colour, opacity=0.95
+            f"/{name}/arrow", flat_mesh(shapely.Polygon(head), low + 0.03), colour, opacity=0.95
         )
         text = self.api.add_label(
             f"/{name}/label", name, position=(tip, 0.0, 0.05), anchor="bottom-center"
@@ -197,11 +206,11 @@ class SceneDrawing:
         self.remove(group)
         driven = group == "drive"
         colour = rgb(palette.REFUSED if fault else palette.GREEN if driven else palette.BLUE)
-        level = _SWEPT + (0.002 if driven else 0.0)
+        level = _SWEPT + (0.01 if driven else 0.0)
         swept = flat_mesh(swept_floor(vehicle.outline, poses), level)
-        looks: dict[str, Any] = {"opacity": 0.12 if driven else 0.25, "cast_shadow": False}
-        self.keep(group, self.mesh(f"/{group}/swept", swept, colour, **looks))
-        points = _lifted(poses[:, :2], _PATH + (0.004 if driven else 0.0))
+        opacity = 0.12 if driven else 0.25
+        self.keep(group, self.mesh(f"/{group}/swept", swept, colour, opacity=opacity))
+        points = _lifted(poses[:, :2], _PATH + (0.01 if driven else 0.0))
         segments = np.stack([points[:-1], points[1:]], axis=1)
         ahead = np.column_stack([np.cos(poses[:-1, 2]), np.sin(poses[:-1, 2])])
         reverse = np.einsum("nd,nd->n", np.diff(poses[:, :2], axis=0), ahead) < -1e-9
@@ -225,15 +234,15 @@ class SceneDrawing:
             return
         x, y = float(at[0]), float(at[1])
         colour = rgb(palette.REFUSED if bad else palette.INK)
-        pin = np.array([[[x, y, 0.0], [x, y, CUT + 0.5]]])
+        pin = np.array([[[x, y, 0.0], [x, y, _PIN]]])
         disc = flat_mesh(shapely.Point(x, y).buffer(0.12), 0.02)
         label = self.api.add_label(
-            "/mark/label", text, position=(x, y, CUT + 0.5), anchor="bottom-center"
+            "/mark/label", text, position=(x, y, _PIN), anchor="bottom-center"
         )
         self.keep(
             "mark",
             self._lines("/mark/pin", pin, colour, 4.0),
-            self.mesh("/mark/disc", disc, colour, opacity=0.85, cast_shadow=False),
+            self.mesh("/mark/disc", disc, colour, opacity=0.85),
             label,
         )
 
@@ -258,14 +267,13 @@ def thinned(poses: Array) -> Array:
     return np.asarray(poses[rows])
 
 
-def swept_floor(outline: Array, poses: Array) -> shapely.Polygon | shapely.MultiPolygon:
+def swept_floor(outline: Array, poses: Array) -> shapely.MultiPolygon:
     """Return the area an outline (K, 2) passes over: hulls of neighbouring bodies, joined."""
     bodies = transform(poses, outline)
     pairs = np.concatenate([bodies[:-1], bodies[1:]], axis=1)
     owners = np.repeat(np.arange(len(pairs)), pairs.shape[1])
     hulls = shapely.convex_hull(shapely.multipoints(pairs.reshape(-1, 2), indices=owners))
-    area: shapely.Polygon | shapely.MultiPolygon = shapely.simplify(shapely.union_all(hulls), 2e-3)
-    return area
+    return shapely.MultiPolygon(shapely.get_parts(shapely.union_all(hulls).simplify(2e-3)))
 
 
 @dataclass(frozen=True)
@@ -280,15 +288,28 @@ class Camera:
 
     position: tuple[float, float, float]
     look_at: tuple[float, float, float]
-    fov: float = math.radians(40.0)
+    fov: float = _FOV
 
 
-def camera(scene: Scene) -> Camera:
-    """Return the camera that sees the whole scene, from above and the south."""
+def camera(scene: Scene, aspect: float = 1.2) -> Camera:
+    """Return the nearest camera that sees the whole scene, from above and the south.
+
+    Args:
+        scene: What is to be seen.
+        aspect: Width of the picture by its height.
+    """
     x0, y0, x1, y1 = view_box(scene, [])
-    reach = 0.5 * max(x1 - x0, 1.3 * (y1 - y0))
-    x, y = 0.5 * (x0 + x1), 0.5 * (y0 + y1)
-    return Camera((x, y - 1.3 * reach, 2.9 * reach), (x, y - 0.05 * reach, 0.0))
+    middle = np.array([0.5 * (x0 + x1), 0.5 * (y0 + y1), 0.0])
+    corners = np.array([[x, y, z] for x in (x0, x1) for y in (y0, y1) for z in (0.0, CUT)])
+    down = math.radians(_TILT)
+    ahead = np.array([0.0, math.cos(down), -math.sin(down)])
+    upward = np.array([0.0, math.sin(down), math.cos(down)])
+    off = corners - middle
+    tangent = math.tan(0.5 * _FOV)
+    needed = [np.abs(off @ upward) / tangent, np.abs(off[:, 0]) / (tangent * aspect)]
+    distance = 1.04 * float((np.max(needed, axis=0) - off @ ahead).max())
+    x, y, z = (middle - distance * ahead).tolist()
+    return Camera((x, y, z), (float(middle[0]), float(middle[1]), 0.0))
 
 
 def _rings(solid: Solid) -> list[shapely.LinearRing]:

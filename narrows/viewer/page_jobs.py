@@ -16,6 +16,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
+from multiprocessing.reduction import ForkingPickler
+from types import MappingProxyType
 from typing import Any
 
 from narrows.errors import NarrowsError, ShapeError
@@ -44,6 +46,19 @@ class Told:
 
 
 _GONE = Told("broken", "the process that plans has ended: start the page again")
+
+
+def _read_only(mapping: dict[Any, Any]) -> MappingProxyType[Any, Any]:
+    """Return a read-only mapping, as it was before it was sent."""
+    return MappingProxyType(mapping)
+
+
+def _sendable(mapping: MappingProxyType[Any, Any]) -> tuple[Callable[..., Any], tuple[Any]]:
+    """Return how a read-only mapping goes from process to process."""
+    return _read_only, (dict(mapping),)
+
+
+ForkingPickler.register(MappingProxyType, _sendable)
 
 
 class Job:

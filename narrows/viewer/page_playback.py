@@ -173,6 +173,7 @@ def _plot(gui: GuiApi, motion: Motion, curve: Curve) -> Any:
             "x": uplot.Scale(time=False, auto=False, range=(0.0, motion.duration)),
             "y": uplot.Scale(range=(low, high)),
         },
+        axes=(uplot.Axis(size=28), uplot.Axis(size=48)),
         legend=uplot.Legend(show=False),
         height=125,
     )

@@ -61,6 +61,7 @@ class Session:
         self.say(_READY)
         self.redraw()
         self.aim()
+        client.camera.on_update(self._seen)
 
     def _build_tabs(self, folder: Path) -> None:
         gui, state = self.client.gui, self.state
@@ -304,9 +305,17 @@ class Session:
 
     def aim(self) -> None:
         """Point the camera so that the whole scene is seen."""
-        place = camera(self.state.scene)
+        seen = self.client.camera
+        self._aspect = seen.image_width / max(seen.image_height, 1)
+        place = camera(self.state.scene, self._aspect)
         self.client.camera.position = place.position
         self.client.camera.look_at = place.look_at
+
+    def _seen(self, seen: Any) -> None:
+        """Aim anew when the window has another shape."""
+        aspect = seen.image_width / max(seen.image_height, 1)
+        if abs(aspect - self._aspect) > 0.02 * self._aspect:
+            self.aim()
 
     def _show_motion(self, motion: Motion, at: float) -> None:
         self.drawing.place(motion.pose(at))
