@@ -34,11 +34,6 @@ class Hand:
         self._at = np.zeros(2)
         self._last = math.nan
 
-    @property
-    def meant(self) -> tuple[float, float]:
-        """Where the owner last meant it to go, [forward, left]."""
-        return self._waiting[-1][1:] if self._waiting else self._meant
-
     def mean(self, time: float, stick: tuple[float, float]) -> None:
         """Decide where it shall go; it begins to after the reaction time."""
         self._waiting.append((time + self._reaction, *stick))

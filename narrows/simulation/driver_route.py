@@ -51,14 +51,6 @@ class Route:
         self._spacing = self.length / (len(self.points) - 1)
         self._rows = self.points.tolist()
 
-    def reversed(self) -> Route:
-        """Return the way back."""
-        back = object.__new__(Route)
-        back.length, back._spacing = self.length, self._spacing
-        back.points = self.points[::-1].copy()
-        back._rows = back.points.tolist()
-        return back
-
     def at(self, progress: float) -> tuple[float, float]:
         """Return the place at a progress [m]; beyond the ends the line goes straight on."""
         place = progress / self._spacing

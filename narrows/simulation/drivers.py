@@ -20,6 +20,7 @@ from ..vehicle import Vehicle
 from .driver_hand import LAG, Hand
 from .driver_route import Route
 from .driver_sight import Sight, free_travel
+from .driver_sticks import Stick
 from .driver_traits import Traits
 from .noise import GaussMarkov
 
@@ -82,6 +83,7 @@ class ScriptedDriver:
         traits: Traits,
         routes: tuple[Route, ...],
         sight: Sight,
+        stick: Stick,
         vehicle: Vehicle,
         rng: np.random.Generator,
     ) -> None:
@@ -91,10 +93,11 @@ class ScriptedDriver:
             traits: Who they are.
             routes: Their ways in order; at the end of one they turn round to the next.
             sight: Their eyes.
-            vehicle: The chair: its size as they know it, its speeds at full stick.
+            stick: What they hold or wear.
+            vehicle: The chair: its size as they know it, its speeds.
             rng: Source of their errors.
         """
-        self._traits, self._routes, self._sight = traits, routes, sight
+        self._traits, self._routes, self._sight, self._stick = traits, routes, sight, stick
         self._rng = rng
         self._errors = {
             "heading": GaussMarkov(traits.heading_noise, _MEMORIES["heading"], rng),
@@ -103,7 +106,8 @@ class ScriptedDriver:
         self._hand = Hand(traits, rng)
         low, high = vehicle.outline.min(axis=0), vehicle.outline.max(axis=0)
         self._body = np.array([low[0], high[0], low[1], high[1]])
-        self._full = (vehicle.limits.speed, vehicle.limits.yaw_rate)
+        self._top, self._spin = vehicle.limits.speed, vehicle.limits.yaw_rate
+        self._meant = (0.0, 0.0)  # m/s, rad/s: what the hand was told last
         self._mind = _Mind()
         self._thought = -math.inf
         self._lapsed_until = -math.inf
@@ -135,10 +139,11 @@ class ScriptedDriver:
         if self._rng.random() < self._traits.lapse_rate * _THINKS:
             self._lapsed_until = time + self._traits.lapse_time
             return
-        self._hand.mean(time, self._decide(time, pose, motion))
+        self._meant = self._decide(time, pose, motion)
+        self._hand.mean(time, self._stick.reach(*self._meant))
 
     def _decide(self, time: float, pose: Array, motion: Array) -> tuple[float, float]:
-        """Return where the stick shall be, [forward, left]."""
+        """Return how the chair shall move, [v, omega]."""
         mind = self._mind
         self._advance(pose)
         if self.finished:
@@ -210,8 +215,7 @@ class ScriptedDriver:
     def _foreseen(self, pose: Array, motion: Array) -> Array:
         """Return where the chair will be once the hand has moved: everybody reckons with that."""
         half = 0.5 * (self._traits.reaction_time + LAG + _CHAIR)
-        v, turn = self._hand.meant
-        meant = np.array([v * self._full[0], turn * self._full[1]])
+        meant = np.array(self._meant)
         for moving in (motion, 0.5 * (motion + meant)):
             pose = compose(pose, exponential([moving[0] * half, 0.0, moving[1] * half]))
         return pose
@@ -233,7 +237,7 @@ class ScriptedDriver:
         if free[0] < 0.1 and free[1] > 0.4:
             self._mind.side = side = -side
         rate = min(1.0, 0.25 + abs(target) / 1.2) * 0.8 * self._traits.pace
-        return 0.0, side * rate
+        return 0.0, side * rate * self._spin
 
     def _drive(self, points: Array, wanted: float, target: float) -> tuple[float, float]:
         """Go on along the way, or along the nearest curve that is free as far as they judge."""
@@ -246,15 +250,14 @@ class ScriptedDriver:
         best = int(np.argmin(3.0 * short + 0.35 * np.abs(_SWERVES)))
         curve, ahead = float(curves[best]), float(free[best])
         speed = min(
-            traits.pace * self._full[0] * self._narrowness(points),
+            traits.pace * self._top * self._narrowness(points),
             0.7 / max(abs(curve), 0.1),
             max(ahead - 0.05, 0.0) / traits.headway,
         )
         if ahead < 0.12:  # in front of something: turn towards the way, do not push
             side = math.copysign(1.0, target)
-            return 0.0, 0.35 * side if abs(target) > math.radians(8.0) else 0.0
-        turn = traits.over_steer * curve * speed
-        return speed / self._full[0], max(-1.0, min(1.0, turn / self._full[1]))
+            return 0.0, 0.35 * side * self._spin if abs(target) > math.radians(8.0) else 0.0
+        return speed, traits.over_steer * curve * speed
 
     def _narrowness(self, points: Array) -> float:
         """Return the share of their pace they dare between what is beside the way."""
@@ -266,14 +269,11 @@ class ScriptedDriver:
     def _back_off(
         self, time: float, pose: Array, motion: Array, aside: float
     ) -> tuple[float, float]:
-        """Drive backward along the way, looking over the shoulder, then try again."""
+        """Drive straight back, or as straight as is free, looking over the shoulder; try again."""
         mind = self._mind
         mind.back_left -= abs(float(motion[0])) * _THINKS
         points = self._sight.look(time, pose, behind=True) + np.array([0.0, aside])
-        behind = self._direction(pose, mind.progress - 0.8) + math.pi
-        target = math.remainder(behind, 2.0 * math.pi)
-        wanted = -2.0 * math.sin(max(-1.0, min(1.0, target))) / 0.8
-        curves = np.clip(wanted + _SWERVES, -1.5, 1.5)
+        curves = np.clip(_SWERVES, -1.5, 1.5)
         body, clear = self._grown(points, 0.02)
         twists = np.column_stack([-np.ones_like(curves), -curves])
         free = free_travel(clear, body, twists, _STEP, 12)
@@ -281,6 +281,5 @@ class ScriptedDriver:
         if mind.back_left <= 0.0 or time > mind.back_until or free[best] < 0.1:
             mind.doing = "driving"
             return 0.0, 0.0
-        speed = 0.5 * self._traits.pace * self._full[0] * min(1.0, free[best] / 0.5)
-        turn = -speed * float(curves[best])
-        return -speed / self._full[0], max(-1.0, min(1.0, turn / self._full[1]))
+        speed = 0.5 * self._traits.pace * self._top * min(1.0, free[best] / 0.5)
+        return -speed, -speed * float(curves[best])

@@ -41,7 +41,7 @@ _FURNITURE: dict[str, tuple[float, float, float, float]] = {
 }
 _TABLE = (10.3, 0.9, 0.40)  # x, y, radius
 
-PLACES = (
+THERE = (
     (1.1, 1.7),
     (1.1, 4.5),
     (4.55, 4.5),
@@ -53,7 +53,21 @@ PLACES = (
 )
 """The way there as a person would tell it, [m]."""
 
-_ROUNDING = (0.75, 0.4, 0.7, 0.7, 0.7, 0.4)  # m, at the corners between: narrow behind a door
+BACK = (
+    (9.8, 4.4),
+    (10.0, 3.6),
+    (10.0, 2.3),
+    (6.55, 2.3),
+    (5.8, 0.8),
+    (4.6, 0.8),
+    (4.8, 4.5),
+    (1.1, 4.5),
+    (1.1, 1.7),
+)
+"""The way back: before the doors they keep further away, to turn in with room to spare."""
+
+_ROUNDING_THERE = (0.75, 0.4, 0.7, 0.7, 0.7, 0.4)  # m, at the corners: narrow behind a door
+_ROUNDING_BACK = (1.0, 0.4, 0.7, 0.7, 0.7, 0.4, 0.75)
 
 
 def course_scene(*, people: tuple[MovingSolid, ...] = ()) -> Scene:
@@ -75,8 +89,7 @@ def course_scene(*, people: tuple[MovingSolid, ...] = ()) -> Scene:
 @cache
 def course_routes() -> tuple[Route, Route]:
     """Return the way there and the way back, as the drivers know them."""
-    there = Route(PLACES, _ROUNDING)
-    return there, there.reversed()
+    return Route(THERE, _ROUNDING_THERE), Route(BACK, _ROUNDING_BACK)
 
 
 def _corners(box: tuple[float, float, float, float]) -> list[list[float]]:

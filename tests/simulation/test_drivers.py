@@ -7,18 +7,20 @@ import numpy as np
 import pytest
 
 from narrows.errors import ShapeError
+from narrows.reactive.smooth_motion import MotionLimits
 from narrows.scene import load_vehicle
 from narrows.simulation.driver_hand import LAG, Hand
 from narrows.simulation.driver_hostile import HostileDriver
 from narrows.simulation.driver_route import Route
 from narrows.simulation.driver_sight import Sight, SightOptions, free_travel
+from narrows.simulation.driver_sticks import make_stick
 from narrows.simulation.driver_traits import BOUNDS, DRIVERS, Traits, by_head
 from narrows.simulation.drivers import ScriptedDriver
 from narrows.simulation.plant import Plant, PlantOptions
 from narrows.world import MovingSolid, Solid, World
 
 CHAIR = load_vehicle("xeno")
-FULL = (CHAIR.limits.speed, CHAIR.limits.yaw_rate)
+STICK = make_stick("joystick", MotionLimits.of(CHAIR))
 PERFECT = Traits(heading_noise=0.0, judgement=0.0, tremor=0.0)
 ROOM = World((Solid.polygon([[5, -3], [6, -3], [6, 3], [5, 3]], name="wall"),))
 
@@ -31,7 +33,7 @@ def drive(driver, start, *, seconds, latency=0.1, hold=None):
     for k in range(round(seconds / dt)):
         left, right = plant.wheel_speeds
         motion = [0.5 * (left + right), (right - left) / CHAIR.track]
-        wanted = driver.step(k * dt, plant.pose, motion) * FULL
+        wanted = STICK.command(driver.step(k * dt, plant.pose, motion))
         wanted = np.zeros(2) if hold and hold(k * dt) else wanted
         command = command + np.clip(wanted - command, -steps, steps)
         plant.command(*command)
@@ -45,7 +47,9 @@ def drive(driver, start, *, seconds, latency=0.1, hold=None):
 
 def driver_on(places, traits=PERFECT, world=None, seed=0):
     sight = Sight(world or World())
-    return ScriptedDriver(traits, (Route(places),), sight, CHAIR, np.random.default_rng(seed))
+    return ScriptedDriver(
+        traits, (Route(places),), sight, STICK, CHAIR, np.random.default_rng(seed)
+    )
 
 
 def test_eight_drivers_have_names_and_all_keep_the_bounds_of_their_traits():
@@ -130,8 +134,6 @@ def test_a_route_keeps_its_places_and_rounds_its_corners():
     assert route.at(0.0) == pytest.approx((0.0, 0.0))
     assert route.at(route.length) == pytest.approx((2.0, 3.0))
     assert route.bend(1.5 + 0.1, 0.4) == pytest.approx(2.0, rel=0.02)
-    back = route.reversed()
-    assert back.at(0.0) == pytest.approx((2.0, 3.0))
     assert route.progress_of(1.0, 0.3, near=1.2) == pytest.approx(1.0, abs=0.011)
 
 
