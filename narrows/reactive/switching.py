@@ -27,8 +27,8 @@ class Thresholds:
         leave: I_DVZtoFLC: below it the goal controller drives again; less than `enter`.
     """
 
-    enter: float = 0.25
-    leave: float = 0.12
+    enter: float = 0.02
+    leave: float = 0.007
 
     def __post_init__(self) -> None:
         """Check the order."""
