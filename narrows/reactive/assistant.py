@@ -18,6 +18,7 @@ from .assistant_prediction import Prediction
 from .assistant_restoring import Orientation
 from .assistant_view import View
 from .avoidance import indicated_side, sides_to_try, way_past
+from .door_blend import DoorAhead, DoorBlend
 from .safety_regions import SafetyRegions, top_norm
 from .side_tables import side_table
 from .smooth_motion import MotionLimits, Smooth, SmoothMotion
@@ -39,7 +40,12 @@ class Assistant:
     """
 
     def __init__(
-        self, vehicle: Vehicle, regions: SafetyRegions, options: AssistantOptions | None = None
+        self,
+        vehicle: Vehicle,
+        regions: SafetyRegions,
+        options: AssistantOptions | None = None,
+        *,
+        door_blend: DoorBlend | None = None,
     ) -> None:
         """Begin at rest, knowing nothing.
 
@@ -47,6 +53,7 @@ class Assistant:
             vehicle: The chair.
             regions: Its safety regions.
             options: Default `AssistantOptions()`.
+            door_blend: Helps through doors that `step` is told of; None: nothing does.
         """
         self._options = AssistantOptions() if options is None else options
         options = self._options
@@ -60,6 +67,7 @@ class Assistant:
         self._prediction = Prediction(options.latency, options.motor_lag)
         self._orientation = Orientation(options, self._limits)
         self._table = side_table(options.sides)
+        self._door_blend = door_blend
         self._deviation = 0.0
         self._last = (-math.inf, 0.0, 0.0)  # time and motion of the last step
         self.state = AssistantState.FULL_USER_CONTROL
@@ -71,12 +79,19 @@ class Assistant:
 
         `state`; `limit`, the rim speed obstacles comfortably allow in the indicated direction
         [m/s]; `deviation` from it [rad]; `trust` in the percept, 0 to 1; `full_braking`, 1 while
-        the limits of smooth motion are broken to brake.
+        the limits of smooth motion are broken to brake; `door_weight`, share of the steering that
+        follows a path through a door.
         """
         return self._signals
 
     def step(
-        self, time: float, command: ArrayLike, motion: ArrayLike, percept: Percept | None
+        self,
+        time: float,
+        command: ArrayLike,
+        motion: ArrayLike,
+        percept: Percept | None,
+        *,
+        door: DoorAhead | None = None,
     ) -> Array:
         """Return the command [v, omega] for the coming control period, shape (2,).
 
@@ -87,13 +102,20 @@ class Assistant:
             motion: [v, omega] the chair really has, shape (2,). If not finite, it is taken to be
                 as commanded, and the chair brakes.
             percept: Obstacles around the chair, or None if there are none to be had.
+            door: A door sensed ahead, or None; for an assistant with a `door_blend`.
         """
         asked = self._limits.clipped(*_pair(command, 0.0))
         v, omega = _pair(motion, math.nan)
         is_measured = math.isfinite(v) and math.isfinite(omega)
         if not is_measured:
             v, omega = self._smooth.command
-        self._view.update(time, percept, self._moved(time, v, omega))
+        moved = self._moved(time, v, omega)
+        self._view.update(time, percept, moved)
+        helped, door_weight = asked, 0.0
+        if self._door_blend is not None:
+            helped = self._door_blend.steer(time, self._options.period, asked, moved, door)
+            helped = self._limits.clipped(*helped)
+            door_weight = self._door_blend.weight
         pose, v, omega = self._prediction.ahead(time, v, omega)
         self._look.show(self._view.points, self._view.unknown, self._view.spread, pose)
         trust = self._view.trust if is_measured else 0.0
@@ -101,7 +123,7 @@ class Assistant:
             taken, is_full = self._smooth.force(0.0, 0.0), False
             limit = 0.0
         else:
-            target, limit = self._target(asked, trust)
+            target, limit = self._target(helped, trust)
             target = self._slowed(target, v, omega)
             taken, is_full = self._take(target, v, omega)
         self._prediction.send(time, *taken)
@@ -111,6 +133,7 @@ class Assistant:
             "deviation": self._deviation,
             "trust": trust,
             "full_braking": float(is_full),
+            "door_weight": door_weight,
         }
         return np.array(taken)
 
@@ -183,7 +206,8 @@ class Assistant:
         is_spin = abs(asked[0]) < _SPIN * 0.5 * norm
         is_close = limit < options.close * norm
         is_avoiding = self.state is AssistantState.OBSTACLE_AVOIDANCE
-        if not options.steers or is_spin or not (is_close or is_avoiding):
+        is_helped = self._door_blend is not None and self._door_blend.weight > 0.0
+        if not options.steers or is_helped or is_spin or not (is_close or is_avoiding):
             return 0.0
         part_limits = np.array([self._braking.comfortable(x) for x in self._look.part_limits(phi)])
         indicated = indicated_side(phi, forward, options.avoidance.straight_band)

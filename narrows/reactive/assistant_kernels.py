@@ -29,9 +29,12 @@ def place(
     edges: Array,
     cells: NDArray[np.int32],
     where: Array,
+    latest: NDArray[np.int32],
     count: int,
 ) -> int:
     """Append the cells of points, as seen from a pose; return the new count.
+
+    Points above each other in one cell count once.
 
     Args:
         points: Points in the body frame now, shape (N, 2) or (N, 3), [m].
@@ -48,6 +51,8 @@ def place(
         cells: Filled with cells, row x columns + column, shape (room,).
         where: Filled with x, y and the distance to be kept, shape (room, 3): `keep`, or less if
             the point already is nearer than that.
+        latest: Which of those filled was the last in each cell, shape (rows x columns,); what it
+            holds of earlier steps does no harm.
         count: How many are filled.
     """
     cosine, sine = math.cos(pose[2]), math.sin(pose[2])
@@ -69,7 +74,16 @@ def place(
             for column in range(first_column, last_column + 1):
                 if count == len(cells):
                     return count
-                cells[count] = row * columns + column
+                number = row * columns + column
+                last = latest[number]
+                if (
+                    last < count
+                    and cells[last] == number
+                    and abs(where[last, 0] - x) + abs(where[last, 1] - y) < 1e-6
+                ):
+                    continue
+                latest[number] = count
+                cells[count] = number
                 where[count, 0], where[count, 1] = x, y
                 where[count, 2] = min(keep, distance)
                 count += 1

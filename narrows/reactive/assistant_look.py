@@ -34,6 +34,7 @@ class Look:
         self._edges = edge_rows(regions.outline)
         self._cells = np.empty(_ROOM, dtype=np.int32)
         self._where = np.empty((_ROOM, 3))
+        self._latest = np.zeros(regions.levels[0].size, dtype=np.int32)
         self._count = 0
         near = 2.0 * np.array(_NEAR_RIMS)
         self._near = near[near <= regions.norms[-1] + 1e-9]
@@ -63,7 +64,7 @@ class Look:
             count = place(
                 np.ascontiguousarray(which), self._height, keep, grown, is_unknown, pose,
                 regions.lower, options.cell, rows, columns, self._edges, self._cells, self._where,
-                count,
+                self._latest, count,
             )  # fmt: skip
         self._count = count
 

@@ -1,0 +1,250 @@
+"""Help through a sensed door: the user's steering blended with that along a certified path."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from ..errors import ShapeError
+from ..se2 import Array, compose, invert, wrap
+
+
+@dataclass(frozen=True)
+class DoorAhead:
+    """A doorway as sensed, in the body frame.
+
+    Attributes:
+        x: Middle of the opening, ahead of the chair [m].
+        y: The same to its left [m].
+        heading: Direction of driving through [rad].
+        width: Clear width [m].
+    """
+
+    x: float
+    y: float
+    heading: float
+    width: float
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        if not all(math.isfinite(value) for value in vars(self).values()) or self.width <= 0.0:
+            raise ShapeError(f"a door needs finite numbers and a positive width, got {vars(self)}")
+
+    @property
+    def pose(self) -> Array:
+        """Middle and direction as a pose in the body frame, shape (3,)."""
+        return np.array([self.x, self.y, self.heading])
+
+
+class PathSource(Protocol):
+    """Anything that finds a certified path through a door: a planner, for example."""
+
+    def __call__(self, door: DoorAhead) -> Array | None:
+        """Return poses of a path the chair may drive forward, or None if there is none.
+
+        Args:
+            door: The door in the body frame.
+
+        Returns:
+            Poses in the body frame now, shape (N, 3), N >= 2, from where the chair is to beyond the
+            door, not more than about 0.1 m apart.
+        """
+        ...
+
+
+@dataclass(frozen=True)
+class DoorBlendOptions:
+    """When a user is taken to want through a door, and how strongly they are helped.
+
+    Attributes:
+        reach: Distance of the door from which on help may begin [m].
+        enter: Angle between the indicated way and the bearing of the door at which it begins [rad].
+        leave: Angle at which it ends [rad].
+        askew: Greatest angle between chair and door at which it begins [rad].
+        rise: Time in which the blend grows from nothing to all [s]; it falls as fast.
+        share: Share of the path's steering in the full blend; the rest stays the user's.
+        pace: Fastest speed along the path [m/s].
+        look_ahead: Distance of the point steered for, along the path [m].
+        off: Deviation from the path at which a new one is asked for [m].
+        retry: Least time between questions for a path [s].
+        trust: Share of a newly sensed door's pose in the pose remembered, 0 to 1.
+        lost: Way a door that is no longer sensed is remembered [m].
+    """
+
+    reach: float = 3.0
+    enter: float = math.radians(30.0)
+    leave: float = math.radians(60.0)
+    askew: float = math.radians(75.0)
+    rise: float = 0.6
+    share: float = 0.9
+    pace: float = 0.5
+    look_ahead: float = 0.35
+    off: float = 0.15
+    retry: float = 1.0
+    trust: float = 0.2
+    lost: float = 4.0
+
+
+class DoorBlend:
+    """Blends the user's heading rate towards that of a path through the door they head for.
+
+    Beyond [DrivingAssistant]. It only changes the direction the assistant takes for indicated: the
+    speed stays the user's, and the assistant checks the result as it checks the user's own wish. A
+    user who lets go stops; who backs off, or steers well away from the door, drives alone.
+
+    Attributes:
+        weight: Share of the path's steering now, 0 to `share`.
+    """
+
+    def __init__(self, source: PathSource, options: DoorBlendOptions | None = None) -> None:
+        """Begin without a door.
+
+        Args:
+            source: Finds certified paths.
+            options: Default `DoorBlendOptions()`.
+        """
+        self._source = source
+        self._options = DoorBlendOptions() if options is None else options
+        self._door: DoorAhead | None = None
+        self._unseen = 0.0  # m driven since the door was sensed
+        self._path = np.zeros((0, 3))  # in the door's frame
+        self._progress = 0
+        self._asked_at = -math.inf
+        self.weight = 0.0
+
+    def steer(
+        self,
+        time: float,
+        dt: float,
+        asked: tuple[float, float],
+        moved: Array,
+        door: DoorAhead | None,
+    ) -> tuple[float, float]:
+        """Return the user's command with the heading rate blended, [v, omega].
+
+        Args:
+            time: Now [s].
+            dt: Control period [s].
+            asked: Command of the user [m/s, rad/s].
+            moved: Pose of the chair in its frame at the last call, shape (3,).
+            door: The door sensed now, or None.
+        """
+        self._carry(moved, door)
+        wish = self._wish(time, asked)
+        step = self._options.share * dt / self._options.rise
+        goal = 0.0 if wish is None else self._options.share
+        self.weight += min(max(goal - self.weight, -step), step)
+        if wish is None or asked[0] <= 0.0:
+            return asked
+        slower = min(asked[0], self._options.pace)
+        v = (1.0 - self.weight) * asked[0] + self.weight * slower
+        own = asked[1] * v / asked[0]
+        return v, (1.0 - self.weight) * own + self.weight * wish * v
+
+    def _carry(self, moved: Array, door: DoorAhead | None) -> None:
+        """Bring the remembered door into the body frame now, corrected by what is sensed."""
+        if self._door is not None:
+            pose = compose(invert(moved), self._door.pose)
+            self._unseen += abs(float(moved[0]))
+            x, y, heading = (float(value) for value in pose)
+            self._door = DoorAhead(x, y, heading, self._door.width)
+        if door is None:
+            if self._unseen > self._options.lost:
+                self._forget()
+            return
+        if self._door is None or math.hypot(door.x - self._door.x, door.y - self._door.y) > 0.5:
+            if self._door is None or self.weight == 0.0:
+                self._forget()
+                self._door = door
+            return
+        share, known = self._options.trust, self._door
+        self._unseen = 0.0
+        turn = float(wrap(door.heading - known.heading))
+        self._door = DoorAhead(
+            known.x + share * (door.x - known.x),
+            known.y + share * (door.y - known.y),
+            known.heading + share * turn,
+            door.width,
+        )
+
+    def _forget(self) -> None:
+        self._door, self._path, self._progress, self._unseen = None, np.zeros((0, 3)), 0, 0.0
+
+    def _wish(self, time: float, asked: tuple[float, float]) -> float | None:
+        """Return the curvature [1/m] towards the path; None: the user drives alone."""
+        options, door = self._options, self._door
+        if door is None or asked[0] <= 0.0:
+            return None
+        curvature = asked[1] / asked[0]
+        if len(self._path):
+            wish = self._curvature_along(door)
+            if wish is None or self._turns_away(door, curvature):
+                self._forget()
+                return None
+            if self._off_path(door) <= options.off:
+                return wish
+        elif not self._heads_for(door, curvature):
+            return None
+        if time - self._asked_at >= options.retry:
+            self._asked_at = time
+            found = self._source(door)
+            self._path, self._progress = np.zeros((0, 3)), 0
+            if found is not None:
+                self._path = np.asarray(compose(invert(door.pose), _checked(found)))
+                return self._curvature_along(door)
+        return None
+
+    def _heads_for(self, door: DoorAhead, curvature: float) -> bool:
+        """Return whether the user's way leads to the door."""
+        options = self._options
+        distance = math.hypot(door.x, door.y)
+        if (
+            door.x <= 0.0
+            or distance > options.reach
+            or abs(float(wrap(door.heading))) > options.askew
+        ):
+            return False
+        return abs(self._miss(door, curvature)) <= options.enter
+
+    def _turns_away(self, door: DoorAhead, curvature: float) -> bool:
+        """Return whether the user now steers well away from a door still ahead."""
+        return door.x > 0.3 and abs(self._miss(door, curvature)) > self._options.leave
+
+    def _miss(self, door: DoorAhead, curvature: float) -> float:
+        """Return the angle between the bearing of a door and the chord of the indicated arc."""
+        chord = 0.5 * curvature * math.hypot(door.x, door.y)
+        return float(wrap(math.atan2(door.y, door.x) - chord))
+
+    def _curvature_along(self, door: DoorAhead) -> float | None:
+        """Return the curvature of the arc to the point steered for; None: past the path's end."""
+        path = compose(door.pose, self._path)
+        distance = np.hypot(path[:, 0], path[:, 1])
+        window = distance[self._progress : self._progress + 20]
+        self._progress += int(np.argmin(window))
+        ahead = np.flatnonzero(distance[self._progress :] >= self._options.look_ahead)
+        if not len(ahead):
+            return None
+        x, y = path[self._progress + ahead[0], :2]
+        return float(2.0 * y / (x * x + y * y))
+
+    def _off_path(self, door: DoorAhead) -> float:
+        """Return the distance to the nearest pose of the path [m]."""
+        near = compose(door.pose, self._path[self._progress : self._progress + 20])
+        return float(np.hypot(near[:, 0], near[:, 1]).min())
+
+
+def _checked(path: Array) -> Array:
+    """Return a path's poses.
+
+    Raises:
+        ShapeError: If they are not (N >= 2, 3) and finite.
+    """
+    poses = np.asarray(path, dtype=float)
+    if poses.ndim != 2 or poses.shape[1:] != (3,) or len(poses) < 2:
+        raise ShapeError(f"a path through a door must have shape (N >= 2, 3), got {poses.shape}")
+    if not np.isfinite(poses).all():
+        raise ShapeError("a path through a door must be of finite numbers")
+    return poses
