@@ -44,11 +44,11 @@ class Traits:
         patience: How long they push a chair that does not move before they try otherwise [s].
     """
 
-    pace: float = 0.75
+    pace: float = 0.85
     reaction_time: float = 0.20
     preview: float = 1.0
-    heading_noise: float = math.radians(1.5)
-    judgement: float = 0.015
+    heading_noise: float = math.radians(1.0)
+    judgement: float = 0.01
     tremor: float = 0.02
     over_steer: float = 1.0
     lapse_rate: float = 0.0
@@ -70,13 +70,13 @@ def _degrees(angle: float) -> float:
 
 DRIVERS: dict[str, Traits] = {
     "steady": Traits(),
-    "brisk": Traits(pace=0.9, reaction_time=0.15, headway=0.9),
-    "cautious": Traits(pace=0.6, headway=1.8, over_steer=0.95),
-    "hasty": Traits(pace=0.95, heading_noise=_degrees(2.5), judgement=0.03, headway=0.8),
-    "shaky": Traits(pace=0.7, tremor=0.08, heading_noise=_degrees(2.0)),
-    "dreamy": Traits(pace=0.75, lapse_rate=0.05, lapse_time=0.8, reaction_time=0.3),
-    "short-sighted": Traits(pace=0.65, preview=0.65, judgement=0.03, heading_noise=_degrees(2.0)),
-    "heavy-handed": Traits(pace=0.8, over_steer=1.5, tremor=0.04, reaction_time=0.25),
+    "brisk": Traits(pace=0.95, reaction_time=0.15, headway=0.9),
+    "cautious": Traits(pace=0.7, headway=1.6, over_steer=0.95),
+    "hasty": Traits(pace=1.0, heading_noise=_degrees(1.8), judgement=0.02, headway=0.8),
+    "shaky": Traits(pace=0.8, tremor=0.05, heading_noise=_degrees(1.4)),
+    "dreamy": Traits(pace=0.85, lapse_rate=0.03, lapse_time=0.6, reaction_time=0.25),
+    "short-sighted": Traits(pace=0.75, preview=0.7, judgement=0.03, heading_noise=_degrees(1.6)),
+    "heavy-handed": Traits(pace=0.88, over_steer=1.35, tremor=0.03),
 }
 """Eight drivers by what is most noticeable about them; ours, not the paper's subjects."""
 
@@ -89,9 +89,9 @@ def by_head(traits: Traits) -> Traits:
     """
     return replace(
         traits,
-        pace=0.72 * traits.pace,
-        reaction_time=min(traits.reaction_time + 0.12, BOUNDS["reaction_time"][1]),
-        heading_noise=1.5 * traits.heading_noise,
-        judgement=1.3 * traits.judgement,
-        tremor=min(1.8 * traits.tremor + 0.02, BOUNDS["tremor"][1]),
+        pace=0.66 * traits.pace,
+        reaction_time=min(traits.reaction_time + 0.06, BOUNDS["reaction_time"][1]),
+        heading_noise=1.15 * traits.heading_noise,
+        judgement=1.1 * traits.judgement,
+        tremor=min(1.25 * traits.tremor + 0.005, BOUNDS["tremor"][1]),
     )
