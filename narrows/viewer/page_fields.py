@@ -48,7 +48,11 @@ class Field:
 
 
 class FieldGroup:
-    """Some fields, shown one below the other."""
+    """Some fields, shown one below the other.
+
+    Somebody may type on while what was typed before is still being dealt with. So a field is only
+    written when the value to show is another than the one last read from it or shown in it.
+    """
 
     def __init__(
         self, gui: GuiApi, fields: Sequence[Field], changed: Callable[[Any], None]
@@ -58,33 +62,37 @@ class FieldGroup:
         Args:
             gui: The page.
             fields: What can be typed.
-            changed: Called after every change, also of what `show` shows.
+            changed: Called after somebody changed something.
         """
         self.fields = tuple(fields)
         self._inputs: dict[str, Any] = {}
+        self._known: dict[str, float] = {}
         for field in fields:
             says = f"{field.says}; {field.span}" if field.says else field.span
-            handle = gui.add_number(
-                field.label,
-                float(max(field.low, 0.0)),
-                step=field.step,
-                hint=says[0].upper() + says[1:],
-            )
+            says = says[0].upper() + says[1:]
+            first = float(max(field.low, 0.0))
+            handle = gui.add_number(field.label, first, step=field.step, hint=says)
             handle.precision = _DECIMALS - 1
-            handle.on_update(changed)
-            self._inputs[field.name] = handle
+            handle.on_update(by_hand(changed))
+            self._inputs[field.name], self._known[field.name] = handle, first
 
     @property
-    def values(self) -> dict[str, float]:
-        """What the fields say now."""
-        return {name: float(handle.value) for name, handle in self._inputs.items()}
+    def known(self) -> dict[str, float]:
+        """What was last read or shown."""
+        return dict(self._known)
+
+    def read(self) -> set[str]:
+        """Read the fields; return the names of those that changed since."""
+        now = {name: float(handle.value) for name, handle in self._inputs.items()}
+        changed = {name for name, value in now.items() if value != self._known[name]}
+        self._known = now
+        return changed
 
     @property
     def complaint(self) -> str:
-        """What is wrong with the first value that makes no sense, or nothing."""
-        values = self.values
+        """What is wrong with the first value read that makes no sense, or nothing."""
         found = (
-            field.complaint(values[field.name])
+            field.complaint(self._known[field.name])
             for field in self.fields
             if not self._inputs[field.name].disabled
         )
@@ -93,15 +101,25 @@ class FieldGroup:
     def show(self, values: Mapping[str, float]) -> None:
         """Show values, rounded to what can be typed; fields that are not named keep theirs."""
         for name, value in values.items():
-            handle, rounded = self._inputs[name], rounded_number(value)
-            if handle.value != rounded:
-                handle.value = rounded
+            rounded = rounded_number(value)
+            if rounded != self._known[name]:
+                self._known[name] = self._inputs[name].value = rounded
 
     def enable(self, *, on: bool, names: Sequence[str] | None = None) -> None:
         """Let fields be typed in, or not."""
         for name, handle in self._inputs.items():
             if names is None or name in names:
                 handle.disabled = not on
+
+
+def by_hand(changed: Callable[[Any], None]) -> Callable[[Any], None]:
+    """Return a callback that hears of what somebody does, not of what the page itself sets."""
+
+    def hear(event: Any) -> None:
+        if event.client is not None:
+            changed(event)
+
+    return hear
 
 
 def rounded_number(value: float) -> float:

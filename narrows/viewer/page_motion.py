@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,11 +24,13 @@ class Curve:
         title: What they are, with the unit.
         names: Name of each line.
         values: Shape (N, L) for L lines; NaN where there is nothing to tell.
+        most: What is above this is not shown.
     """
 
     title: str
     names: tuple[str, ...]
     values: Array
+    most: float = math.inf
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,4 +92,4 @@ def _wheels(speeds: Array) -> Curve:
 
 def _clearance(distance: Array) -> Curve:
     shown = np.where(np.isfinite(distance), 1e3 * distance, np.nan)
-    return Curve("clearance [mm]", ("nearest solid",), shown[:, None])
+    return Curve("clearance [mm]", ("nearest solid",), shown[:, None], most=300.0)

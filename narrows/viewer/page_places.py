@@ -9,7 +9,8 @@ import numpy as np
 import shapely
 from viser import GuiApi
 
-from .page_fields import Field, FieldGroup, rounded_number
+from .page_fields import Field, FieldGroup, by_hand, rounded_number
+from .page_guard import Guard
 from .page_state import SceneState, Step
 from .page_words import answer
 
@@ -69,98 +70,86 @@ NONE = "(none)"
 class WallsPanel:
     """The short form's numbers and the margin."""
 
-    def __init__(self, gui: GuiApi, state: SceneState, apply: Callable[[Changes], None]) -> None:
+    def __init__(
+        self, gui: GuiApi, guard: Guard, state: SceneState, apply: Callable[[Changes], None]
+    ) -> None:
         """Add the fields of the scene's short form.
 
         Args:
             gui: The page.
+            guard: Makes callbacks wait for each other.
             state: Says which short form it is; that never changes.
             apply: Called with the changes to the document.
         """
         self._apply = apply
         self._form = state.form
-        self._shown: dict[str, float] = {}
         fields = WALLS.get(self._form, ())
         if not fields:
             which = "a map" if self._form == "map" else "the scene file"
             gui.add_html(answer(f"The walls are those of {which}.", good=True))
-        self.fields = FieldGroup(gui, (*fields, *MARGIN), self._changed)
+        self.fields = FieldGroup(gui, (*fields, *MARGIN), guard(self._changed))
 
     def show(self, state: SceneState) -> None:
         """Show the numbers of a state."""
-        self._shown = {}
         values: dict[str, float] = {"margin": float(state.document.get("margin", 0.02))}
         if self._form in WALLS:
             entry = state.document[self._form]
             room = entry.get("room") or _DEFAULTS["room"]
+            given = {**entry, "room_width": room[0], "room_depth": room[1]}
             for field in WALLS[self._form]:
-                value = entry.get(field.name)
-                if field.name == "room_width":
-                    value = room[0]
-                elif field.name == "room_depth":
-                    value = room[1]
-                elif field.name == "width_after" and value is None:
-                    value = entry["width"]
+                value = given.get(field.name)
+                if value is None:
+                    value = given["width"] if field.name == "width_after" else None
                 values[field.name] = float(_DEFAULTS[field.name] if value is None else value)
         self.fields.show(values)
-        self._shown = self.fields.values
 
     def _changed(self, event: Any) -> None:
-        if not self._shown or event.client is None:
-            return
-        now = self.fields.values
-        changed = {name for name, value in now.items() if value != self._shown[name]}
-        if not changed:
-            return
         changes: dict[tuple[Step, ...], Any] = {}
-        for name in changed:
+        for name in self.fields.read():
+            now = self.fields.known
             if name == "margin":
                 changes["margin",] = now[name]
             elif name in ("room_width", "room_depth"):
                 changes[self._form, "room"] = [now["room_width"], now["room_depth"]]
             else:
                 changes[self._form, name] = now[name]
-        self._shown = now
-        self._apply(changes)
+        if changes:
+            self._apply(changes)
 
 
 class EndPanel:
     """Start or goal."""
 
-    def __init__(self, gui: GuiApi, name: str, apply: Callable[[Changes], None]) -> None:
+    def __init__(
+        self, gui: GuiApi, guard: Guard, name: str, apply: Callable[[Changes], None]
+    ) -> None:
         """Add the fields of `start` or `goal`."""
         self._name = name
         self._apply = apply
-        self._shown: dict[str, float] = {}
-        self.fields = FieldGroup(gui, POSE, self._changed)
+        self.fields = FieldGroup(gui, POSE, guard(self._changed))
 
     def show(self, state: SceneState) -> None:
         """Show the pose of a state."""
-        self._shown = {}
         self.fields.show(state.pose(self._name))
-        self._shown = self.fields.values
 
     def _changed(self, event: Any) -> None:
-        if not self._shown or event.client is None or self.fields.values == self._shown:
-            return
-        self._shown = self.fields.values
-        self._apply(pose_changes(self._name, self._shown))
+        if self.fields.read():
+            self._apply(pose_changes(self._name, self.fields.known))
 
 
 class ThingsPanel:
     """Furniture and what hangs: chosen by name, moved, raised, added, taken away."""
 
-    def __init__(self, gui: GuiApi, apply: Callable[[Changes], None]) -> None:
+    def __init__(self, gui: GuiApi, guard: Guard, apply: Callable[[Changes], None]) -> None:
         """Add the choice and the fields."""
         self._apply = apply
-        self._shown: dict[str, float] = {}
         self._state: SceneState | None = None
         self.choice: Any = gui.add_dropdown("thing", (NONE,), hint="Or drag it where you want it")
-        self.choice.on_update(self._chosen)
-        self.fields = FieldGroup(gui, THING, self._changed)
-        gui.add_button("Take it away").on_click(self._removed)
+        self.choice.on_update(by_hand(guard(self._chosen)))
+        self.fields = FieldGroup(gui, THING, guard(self._changed))
+        gui.add_button("Take it away").on_click(guard(self._removed))
         self.kind = gui.add_dropdown("new", tuple(NEW))
-        gui.add_button("Put it in").on_click(self._added)
+        gui.add_button("Put it in").on_click(guard(self._added))
 
     @property
     def index(self) -> int | None:
@@ -170,40 +159,36 @@ class ThingsPanel:
 
     def show(self, state: SceneState) -> None:
         """Show the things of a state."""
-        self._shown, self._state = {}, state
+        self._state = state
         names = [f"{k + 1}. {_name(entry, k)}" for k, entry in enumerate(state.listed_solids)]
-        before = self.choice.value
-        options = (*names, NONE) if names else (NONE,)
+        options = tuple(names) if names else (NONE,)
         if tuple(self.choice.options) != options:
+            before = self.choice.value
             self.choice.options = options
-            self.choice.value = before if before in options and before != NONE else options[0]
+            self.choice.value = before if before in options else options[-1]
         index = self.index
         self.fields.enable(on=index is not None)
-        if index is not None and index < len(state.listed_solids):
+        if index is not None and index < len(names):
             entry = state.listed_solids[index]
             x, y = _middle(entry)
             low, high = entry.get("z") or (0.0, 2.5)
             self.fields.show({"x": x, "y": y, "low": float(low), "high": float(high)})
-            self._shown = self.fields.values
 
     def _chosen(self, event: Any) -> None:
-        if event.client is not None and self._state is not None:
+        if self._state is not None:
             self.show(self._state)
 
     def _changed(self, event: Any) -> None:
-        index, now = self.index, self.fields.values
-        if not self._shown or event.client is None or self._state is None or index is None:
+        before, changed, index = self.fields.known, self.fields.read(), self.index
+        if not changed or self._state is None or index is None:
             return
-        if now == self._shown:
-            return
-        changes: dict[tuple[Step, ...], Any] = {}
-        moved = np.array([now["x"] - self._shown["x"], now["y"] - self._shown["y"]])
-        if moved.any():
-            changes |= moved_thing(self._state, index, moved)
-        if (now["low"], now["high"]) != (self._shown["low"], self._shown["high"]):
-            changes["world", "solids", index, "z"] = [now["low"], now["high"]]
-        self._shown = now
-        self._apply(changes)
+        now = self.fields.known
+        entry = dict(self._state.listed_solids[index])
+        if changed & {"x", "y"}:
+            entry = moved_entry(entry, (now["x"] - before["x"], now["y"] - before["y"]))
+        if changed & {"low", "high"}:
+            entry["z"] = [now["low"], now["high"]]
+        self._apply({("world", "solids", index): entry})
 
     def _removed(self, event: Any) -> None:
         index = self.index
@@ -214,14 +199,12 @@ class ThingsPanel:
         if self._state is None:
             return
         kind = str(self.kind.value)
-        entry = dict(NEW[kind])
-        at = np.array([self._state.pose("goal")[name] for name in ("x", "y")])
-        at = 0.5 * (at + [self._state.pose("start")[name] for name in ("x", "y")])
+        ends = [self._state.pose(name) for name in ("start", "goal")]
+        at = np.mean([[end["x"], end["y"]] for end in ends], axis=0)
         count = len(self._state.listed_solids)
-        entry = moved_entry(entry, at) | {"name": f"{kind} {count + 1}"}
+        entry = moved_entry(NEW[kind], at) | {"name": f"{kind} {count + 1}"}
         world = self._state.document.get("world") or {}
-        solids = [*world.get("solids", []), entry]
-        self._apply({("world",): {**world, "solids": solids}})
+        self._apply({("world",): {**world, "solids": [*world.get("solids", []), entry]}})
 
 
 def pose_changes(name: str, pose: Mapping[str, float]) -> dict[tuple[Step, ...], Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import time as clock
 from collections.abc import Callable
@@ -123,10 +124,10 @@ class Playback:
         self.now.content = _now(motion, at)
         if plots:
             for plot, curve in zip(self._plots, motion.curves, strict=False):
-                plot.data = curve_data(motion.times, curve.values, at)
+                plot.data = curve_data(motion.times, curve.values, at, curve.most)
 
 
-def curve_data(times: Array, values: Array, at: float) -> tuple[Array, ...]:
+def curve_data(times: Array, values: Array, at: float, most: float = math.inf) -> tuple[Array, ...]:
     """Return times, the lines, and an upright line at a time, in arrays of one length.
 
     The upright line is two more rows at that time, where the lines themselves are interpolated.
@@ -135,9 +136,10 @@ def curve_data(times: Array, values: Array, at: float) -> tuple[Array, ...]:
         times: Shape (N,), [s].
         values: Shape (N, L).
         at: Where the upright line stands [s].
+        most: Where the upright line ends at the latest.
     """
     place = int(np.searchsorted(times, at))
-    low, high = limits(values)
+    low, high = limits(values, most)
     here = np.array([np.interp(at, times, column) for column in values.T])
     lines = np.insert(values, [place, place], here, axis=0)
     upright = np.full(len(lines), np.nan)
@@ -145,16 +147,16 @@ def curve_data(times: Array, values: Array, at: float) -> tuple[Array, ...]:
     return (np.insert(times, [place, place], at), *np.ascontiguousarray(lines.T), upright)
 
 
-def limits(values: Array) -> tuple[float, float]:
-    """Return the range a plot shows: all values, and zero."""
+def limits(values: Array, most: float = math.inf) -> tuple[float, float]:
+    """Return the range a plot shows: all values up to `most`, and zero."""
     finite = values[np.isfinite(values)]
     low, high = min(0.0, finite.min(initial=0.0)), max(0.0, finite.max(initial=0.0))
     room = 0.05 * (high - low) or 1.0
-    return float(low - room * (low < 0.0)), float(high + room)
+    return float(low - room * (low < 0.0)), float(min(high + room, most))
 
 
 def _plot(gui: GuiApi, motion: Motion, curve: Curve) -> Any:
-    low, high = limits(curve.values)
+    low, high = limits(curve.values, curve.most)
     series = [uplot.Series(label="t [s]")]
     for name, colour in zip(curve.names, _LINES, strict=False):
         series.append(
@@ -166,7 +168,7 @@ def _plot(gui: GuiApi, motion: Motion, curve: Curve) -> Any:
         )
     )
     return gui.add_uplot(
-        data=curve_data(motion.times, curve.values, 0.0),
+        data=curve_data(motion.times, curve.values, 0.0, curve.most),
         series=tuple(series),
         title=curve.title,
         scales={

@@ -19,6 +19,7 @@ from .page_chair import ChairPanel
 from .page_drag import Dragging
 from .page_drawing import SceneDrawing, camera, nearest_place, spread, thinned
 from .page_drive import DrivePanel
+from .page_guard import Guard
 from .page_jobs import Job, JobRunner, Told, Work
 from .page_motion import Motion, driven_motion, planned_motion
 from .page_places import EndPanel, ThingsPanel, WallsPanel
@@ -43,7 +44,7 @@ class Session:
         self.plan: Plan | None = None
         self.drive: page_work.Drive | None = None
         self._runner = runner
-        self._lock = threading.RLock()
+        self._guard = Guard()
         self._job: Job | None = None
         self._asked = 0
         self.drawing = SceneDrawing(client.scene)
@@ -71,17 +72,17 @@ class Session:
             self.playback = Playback(gui, self._show_motion)
         with tabs.add_tab("Chair"):
             self._chair_answer = gui.add_html("")
-            self.chair = ChairPanel(gui, self._edit_chair)
+            self.chair = ChairPanel(gui, self._guard, self._edit_chair)
         with tabs.add_tab("Scene"):
             self._scene_answer = gui.add_html("")
             with gui.add_folder("Walls and margin"):
-                self.walls = WallsPanel(gui, state, self.edit)
+                self.walls = WallsPanel(gui, self._guard, state, self.edit)
             with gui.add_folder("Start"):
-                self.start = EndPanel(gui, "start", self.edit)
+                self.start = EndPanel(gui, self._guard, "start", self.edit)
             with gui.add_folder("Goal"):
-                self.goal = EndPanel(gui, "goal", self.edit)
+                self.goal = EndPanel(gui, self._guard, "goal", self.edit)
             with gui.add_folder("Things"):
-                self.things = ThingsPanel(gui, self.edit)
+                self.things = ThingsPanel(gui, self._guard, self.edit)
             self.again = gui.add_checkbox(
                 "plan at changes", False, hint="Plan again after every change of chair or scene"
             )
@@ -95,16 +96,12 @@ class Session:
 
     def close(self) -> None:
         """End what is under way: the tab is gone."""
-        with self._lock:
+        with self._guard.lock:
             self._end_job()
             self.playback.pause()
 
     def _locked(self, function: Callable[[], None]) -> Callable[[Any], None]:
-        def call(_: Any) -> None:
-            with self._lock:
-                function()
-
-        return call
+        return self._guard(lambda _: function())
 
     # What is asked
 
@@ -152,13 +149,13 @@ class Session:
         self._bar.value = 100.0
 
         def heard(told: Told) -> None:
-            with self._lock:
+            with self._guard.lock:
                 if number == self._asked:
                     self._hear(told, done)
 
         def tick() -> None:
             while True:
-                with self._lock:
+                with self._guard.lock:
                     if number != self._asked or self._job is None:
                         return
                     spent = f"{clock.monotonic() - begun:.1f} s"
@@ -217,7 +214,7 @@ class Session:
         """Return what marks the place where the millimetres are missing, if still asked."""
 
         def heard(told: Told) -> None:
-            with self._lock:
+            with self._guard.lock:
                 if number == self._asked and told.kind == "result":
                     self._mark_passage(told.value)
 
@@ -250,11 +247,11 @@ class Session:
 
     def edit(self, changes: Any) -> None:
         """Change the document, by paths."""
-        with self._lock:
+        with self._guard.lock:
             self._take_state(self.state.edited(changes))
 
     def _edit_chair(self, entry: Any) -> None:
-        with self._lock:
+        with self._guard.lock:
             self._take_state(self.state.edited({("vehicle",): entry}))
 
     def _take_state(self, state: SceneState) -> None:

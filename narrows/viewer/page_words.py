@@ -84,7 +84,7 @@ def plan_words(plan: Plan) -> Words:
         return Words("good", "certified", figure, plan.reason)
     if plan.status is PlanStatus.IMPASSABLE:
         missing = plan.statistics.get("missing_mm")
-        figure = "" if missing is None else f"{_up(1e-3 * missing)} mm missing"
+        figure = "" if missing is None else f"{missing:.0f} mm missing"
         return Words("bad", "impassable", figure, plan.reason)
     return Words("unsure", "not found", "neither a way nor a proof", plan.reason)
 
@@ -95,12 +95,12 @@ def passage_words(verdict: Verdict, scene: Scene) -> Words:
     known = spare is not None and math.isfinite(spare)
     status = verdict.status.value
     if status == "passable":
-        figure = f"{_down(spare)} mm to spare" if known and spare is not None else ""
+        figure = f"{1e3 * spare:.0f} mm to spare" if known and spare is not None else ""
         if scene.vehicle.limits.reverse_speed > 0.0:
             return Words("good", "it can pass", figure, verdict.reason)
         return Words("unsure", "it can pass if it may reverse", figure, verdict.reason)
     if status == "impassable":
-        figure = f"{_up(-spare)} mm missing" if known and spare is not None else ""
+        figure = f"{-1e3 * spare:.0f} mm missing" if known and spare is not None else ""
         return Words("bad", "it cannot pass", figure, verdict.reason)
     return Words("unsure", "undecided", "", verdict.reason)
 
@@ -120,8 +120,3 @@ def drive_words(judgement: Judgement) -> Words:
 def _down(length: float) -> int:
     """Return a length [m] in whole millimetres, never more than it is."""
     return math.floor(1e3 * length + 1e-9)
-
-
-def _up(length: float) -> int:
-    """Return what is missing [m] in whole millimetres, never less than it is."""
-    return math.ceil(1e3 * length - 1e-9)

@@ -21,7 +21,7 @@ from .page_words import Words
 RATE = 20.0
 """Frames a second."""
 
-_BANNER = """<div id="narrows-banner" style="position:fixed;left:12px;top:12px;
+_BANNER = """<div id="narrows-banner" style="position:fixed;right:12px;top:12px;
 width:min(320px,45vw);z-index:100;font-family:Inter,system-ui,sans-serif;pointer-events:none;background:#fff;
 border-radius:4px;padding:8px 4px 2px;box-shadow:0 1px 4px #0004">
 <div style="font-size:13px;font-weight:600;padding:0 12px 6px">{title}</div>{words}</div>"""
