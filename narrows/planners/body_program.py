@@ -24,6 +24,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
+from functools import cached_property
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
@@ -31,6 +32,7 @@ import casadi as ca
 import numpy as np
 
 from narrows.nlp import Problem
+from narrows.quadratic import InPlace
 from narrows.se2 import Array
 
 from .spline import Spline
@@ -125,6 +127,35 @@ ROW_FIELDS = (
 """What a row of clearance is told, after the weights of p and of its derivative at t."""
 
 
+class Evaluation:
+    """Dense values of some expressions of a program, in one array."""
+
+    def __init__(self, problem: Problem, parts: list[ca.SX]) -> None:
+        """Compile the expressions."""
+        self._shapes = [part.shape for part in parts]
+        model = ca.Function(
+            "model",
+            [problem.unknowns, problem.parameters],
+            [ca.vertcat(*[ca.vec(ca.densify(part)) for part in parts])],
+        )
+        self._unknowns = np.zeros(problem.unknowns.numel())
+        self._parameters = np.zeros(problem.parameters.numel())
+        self._values = np.zeros(model.numel_out(0))
+        given = {0: self._unknowns, 1: self._parameters}
+        self._model = InPlace(model, given, {0: self._values})
+
+    def __call__(self, x: Array, parameters: Array) -> list[Array]:
+        """Return the values of the parts, each of its shape (rows, columns)."""
+        self._unknowns[:], self._parameters[:] = x, parameters
+        self._model.run()
+        column, found, begin = self._values.copy(), [], 0
+        for rows, columns in self._shapes:
+            end = begin + rows * columns
+            found.append(column[begin:end].reshape(columns, rows).T)
+            begin = end
+        return found
+
+
 class ManoeuvreProgram:
     """The program for a number of sections, stated and compiled once.
 
@@ -137,29 +168,34 @@ class ManoeuvreProgram:
     """
 
     def __init__(self, layout: Layout) -> None:
-        """State and compile the program."""
+        """State the program; what is evaluated is compiled at its first use."""
         self.layout = layout
         self.spline = Spline(layout.segments)
         self.problem = self._state()
-        unknowns, parameters = self.problem.unknowns, self.problem.parameters
-        cost, rows = self.problem.objective, self.problem.constraints
-        hessian, gradient = ca.hessian(cost, unknowns)
-        parts = [cost, gradient, hessian, rows, ca.jacobian(rows, unknowns)]
-        self._shapes = [part.shape for part in parts]
-        self._model = ca.Function(
-            "model",
-            [unknowns, parameters],
-            [ca.vertcat(*[ca.vec(ca.densify(part)) for part in parts])],
-        )
+
+    @cached_property
+    def _cost_parts(self) -> list[ca.SX]:
+        hessian, gradient = ca.hessian(self.problem.objective, self.problem.unknowns)
+        return [self.problem.objective, gradient, hessian]
+
+    @cached_property
+    def _cost(self) -> Evaluation:
+        return Evaluation(self.problem, self._cost_parts)
+
+    @cached_property
+    def _everything(self) -> Evaluation:
+        rows = self.problem.constraints
+        jacobian = ca.jacobian(rows, self.problem.unknowns)
+        return Evaluation(self.problem, [*self._cost_parts, rows, jacobian])
+
+    def cost(self, x: Array, parameters: Array) -> tuple[float, Array, Array]:
+        """Return cost, gradient (n,) and Hessian (n, n)."""
+        cost, gradient, hessian = self._cost(x, parameters)
+        return float(cost.item()), gradient.ravel(), hessian
 
     def evaluate(self, x: Array, parameters: Array) -> tuple[float, Array, Array, Array, Array]:
         """Return cost, gradient (n,), Hessian (n, n), constraints (m,) and Jacobian (m, n)."""
-        column = self._model(x, parameters).full().ravel()  # one array: five cost twice the time
-        ends = np.cumsum([0, *(rows * columns for rows, columns in self._shapes)])
-        cost, gradient, hessian, rows, jacobian = (
-            column[begin:end].reshape(columns, count).T
-            for begin, end, (count, columns) in zip(ends[:-1], ends[1:], self._shapes, strict=True)
-        )
+        cost, gradient, hessian, rows, jacobian = self._everything(x, parameters)
         return float(cost.item()), gradient.ravel(), hessian, rows.ravel(), jacobian
 
     def _state(self) -> Problem:

@@ -143,7 +143,13 @@ class _Ladder:
         """Yield rough manoeuvres from the search, the cheapest first."""
         from .search import SearchPlanner
 
-        for k, found in enumerate(SearchPlanner().search_many(self.scene, _SEARCHED)):
+        planner, scene = SearchPlanner(), self.scene
+        if scene.vehicle.limits.reverse_speed > 0.0:
+            forward = replace(scene, vehicle=scene.vehicle.with_limits(reverse_speed=0.0))
+            for k, found in enumerate(planner.search_many(forward, _SEARCHED)):
+                self.rough.append(found.path)
+                yield f"manoeuvre {k + 1} of the forward search", found.path
+        for k, found in enumerate(planner.search_many(scene, _SEARCHED)):
             self.rough.append(found.path)
             yield f"manoeuvre {k + 1} of the search", found.path
 
@@ -155,7 +161,7 @@ class _Ladder:
         """Return the proof as a plan's outcome, with the millimetres that are missing."""
         from .passage import passable
 
-        verdict = passable(self.scene, time_budget=2.0 * _PROOF_BUDGET)
+        verdict = passable(self.scene, time_budget=_PROOF_BUDGET)
         figures = {"solve_time_s": time.process_time() - self.begun}
         if verdict.spare_m is not None:
             figures["missing_mm"] = -1e3 * verdict.spare_m

@@ -17,10 +17,11 @@ from .finish import finished_plan
 from .guess import fitted, forward_guesses
 from .refinement import Refined, Refinement, RefinementOptions
 
-_PIECE = 0.45  # m: a cubic piece about half a chair long bends as sharply as a chair can
-_SEGMENTS = {1: (6, 10)}  # by number of sections, else 6: few sizes, few programs to compile
+_PIECE = 0.33  # m: pieces a third of a chair long leave little to gain by shorter ones
+_SEGMENTS = {1: (8, 14), 2: (8,)}  # by number of sections, else 6: few programs to compile
+_NOTHING = 2e-4  # m: clearance missing from what is asked for, which is a little more
 _TOO_SHARP = 20.0  # 1/m: a radius of 5 cm is no curve to drive but a fold
-_ROWS = {1: 128}  # rows of clearance by number of sections, else 64
+_ROWS = {1: 256}  # rows of clearance by number of sections, else 128
 
 
 @dataclass(frozen=True)
@@ -53,7 +54,7 @@ class Candidate:
     @property
     def is_good(self) -> bool:
         """Whether margin and curvature limit are kept, as far as the optimiser sees."""
-        return self.refined.slack < 1e-4 and self.refined.excess < 1e-3
+        return self.refined.slack < _NOTHING and self.refined.excess < 1e-3
 
 
 def segments_for(path: Path) -> int:
@@ -80,7 +81,7 @@ def refine(scene: Scene, name: str, guess: Path, options: ManoeuvreOptions) -> C
     chosen = RefinementOptions(
         weights=options.weights,
         segments=segments,
-        rows=_ROWS.get(len(guess.sections), 64),
+        rows=_ROWS.get(len(guess.sections), 128),
     )
     start = fitted(guess, scene, segments)
     return Candidate(name, Refinement(scene, start.directions, chosen).run(start))

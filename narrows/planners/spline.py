@@ -66,6 +66,18 @@ class Spline:
             weights = weights * step + taylor[:, k] / float(factorial(k - order))
         return np.asarray(weights)
 
+    def powers(self, control: Array) -> Array:
+        """Return each piece's coefficients by powers of the parameter from its start.
+
+        Args:
+            control: Control points of the spline, shape (count, 2), [m].
+
+        Returns:
+            Shape (segments, 4, 2), [m].
+        """
+        factorials = np.array([1.0, 1.0, 2.0, 6.0])[None, :, None]
+        return np.ascontiguousarray((self._taylor / factorials) @ control)
+
     @cached_property
     def _taylor(self) -> Array:
         """Derivatives 0 to 3 of the weights at the start of each segment, (segments, 4, count)."""

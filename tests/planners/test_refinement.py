@@ -135,7 +135,7 @@ def test_a_chair_that_bends_less_goes_a_wider_way() -> None:
     limit = 0.85 * free.path.max_curvature
     stiff = replace(scene, vehicle=replace(CHAIR, limits=Limits(curvature=limit)))
     refined = refined_from(stiff, forward_guesses(stiff)[0][1], 10)
-    assert refined.excess <= 1e-9
+    assert refined.excess <= 1e-6
     assert 0.97 * limit <= refined.path.max_curvature <= limit
     assert refined.slack <= 1e-4
     assert refined.cost > 0.99 * free.cost
