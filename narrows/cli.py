@@ -128,6 +128,7 @@ def verify_command(scene: str, trajectory: str, picture: str | None, as_json: bo
         "narrows drive examples/scenes/door.yaml --picture drive.png",
         "narrows drive examples/scenes/door.yaml --save-trajectory door.csv --record drive.csv",
         "narrows drive examples/scenes/door.yaml --trajectory door.csv --json",
+        "narrows drive examples/scenes/somebody-in-the-door.yaml --controller navigator",
     ),
 )
 @_SCENE
@@ -137,6 +138,11 @@ def verify_command(scene: str, trajectory: str, picture: str | None, as_json: bo
     show_default=True,
     metavar="NAME",
     help="Who steers: lookahead, linearizing, virtual-target, predictive.",
+)
+@click.option(
+    "--controller",
+    metavar="NAME",
+    help="Who watches: navigator guards the tracker, stops and waits. Default: nobody.",
 )
 @_PLANNER
 @click.option(
@@ -151,6 +157,7 @@ def verify_command(scene: str, trajectory: str, picture: str | None, as_json: bo
 def drive_command(
     scene: str,
     tracker: str,
+    controller: str | None,
     planner: str,
     trajectory: str | None,
     save_trajectory: str | None,
@@ -164,7 +171,13 @@ def drive_command(
     files = DriveFiles(save_trajectory, record, picture)
     with _progress("driving") as report:
         return run_drive(
-            scene, tracker=tracker, planner=planner, given=trajectory, files=files, report=report
+            scene,
+            tracker=tracker,
+            controller=controller,
+            planner=planner,
+            given=trajectory,
+            files=files,
+            report=report,
         )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ..errors import InputError, ShapeError
 from ..files import check_can_be_written
@@ -18,6 +18,7 @@ from ..simulation.simulator import simulate
 from ..tracking.registry import make_tracker, tracker_names
 from ..trajectory import Trajectory
 from ..verification import verify
+from .controllers import check_controller, make_controller
 from .outcome import NOT_FOUND, OK, Outcome, lines, millimetres
 from .plan import check_picture, describe_plan, exit_code
 
@@ -60,6 +61,7 @@ def run_drive(
     planner: str,
     given: str | None,
     files: DriveFiles,
+    controller: str | None = None,
     report: Callable[[float], None] | None = None,
 ) -> Outcome:
     """Plan a scene or take a given trajectory, drive it in the simulator, judge the drive.
@@ -70,6 +72,8 @@ def run_drive(
         planner: The planner's name, as for `narrows plan`.
         given: A trajectory to drive instead of planning one.
         files: Where results go.
+        controller: One of `controller_names()`, which perceives and may stop; None: the tracker
+            alone drives, blind.
         report: Called with the share of the drive that is done.
     """
     if tracker not in tracker_names():
@@ -79,12 +83,14 @@ def run_drive(
         )
     if given is not None and files.trajectory is not None:
         raise InputError("--save-trajectory saves what is planned; leave it out with --trajectory")
+    if controller is not None:
+        check_controller(controller)
     files.check()
     scene = load_scene(scene_file)
     if given is None:
         from ..planners import plan
 
-        planned = plan(scene, planner=planner)
+        planned = plan(_foreseen(scene, controller), planner=planner)
         if planned.trajectory is None:
             return _not_planned(scene, planned, files)
         motion: Path | Trajectory = planned.trajectory
@@ -97,8 +103,20 @@ def run_drive(
         head = f"{scene.name or scene_file}: {given}, {found.status}"
         notes = [f"{given} is {found.status}: {found.reason}"] if found.problems else []
         notes += [f"{given}: {note}" for note in found.notes if not found.problems]
-    follower = make_tracker(tracker, motion, scene.vehicle)
-    record = simulate(scene, follower, reference=motion, report=report)
+    if controller is None:
+        follower = make_tracker(tracker, motion, scene.vehicle)
+        record = simulate(scene, follower, reference=motion, report=report)
+    else:
+        fitted = make_controller(controller, scene, motion, tracker=tracker)
+        record = simulate(
+            scene,
+            fitted.controller,
+            senses=fitted.senses,
+            reference=motion,
+            options=fitted.options,
+            report=report,
+        )
+        head = lines(head, (controller, fitted.outcome()))
     verdict = judge(scene, record)
     if files.record is not None:
         write_record(record, files.record)
@@ -109,6 +127,13 @@ def run_drive(
     if not verdict.reached:
         notes.append(verdict.reason)
     return Outcome(code, verdict.figures(), text, tuple(notes))
+
+
+def _foreseen(scene: Scene, controller: str | None) -> Scene:
+    """Return what is planned for: those who move only where nobody watches for them."""
+    if controller is None:
+        return scene
+    return replace(scene, world=replace(scene.world, moving=()))
 
 
 def _not_planned(scene: Scene, plan: Plan, files: DriveFiles) -> Outcome:

@@ -45,10 +45,12 @@ class GuardOptions:
         period: Control period [s]: the next command comes that late.
         margin: Distance the swept body keeps from points [m]: errors of pose and of motion.
         walking: Speed of somebody who walks [m/s].
+        standing: How long the chair stands before somebody who walks can be there [s].
         trusted_after: A place that has been occupied for so long is taken to be furniture [s].
             Before, what is there may walk; also a wall just come into view.
         oldest: Age of the percept from which on the chair stops [s].
-        margin_known: Distance kept from what is known to be there, and was planned for [m].
+        margin_known: Distance kept from what was planned for [m]; negative: that much of it may
+            seem to be in the body, by errors of the sensors.
         shares: Shares of a wanted command that are tried, falling.
     """
 
@@ -58,10 +60,11 @@ class GuardOptions:
     lag: float = 0.05
     period: float = 0.05
     margin: float = 0.03
-    walking: float = 1.6
+    walking: float = 1.4
+    standing: float = 0.5
     trusted_after: float = 4.0
     oldest: float = 0.3
-    margin_known: float = 0.005
+    margin_known: float = -0.03
     shares: tuple[float, ...] = (1.0, 0.8, 0.6, 0.45, 0.3, 0.2, 0.1)
 
     def __post_init__(self) -> None:
@@ -76,7 +79,6 @@ class GuardOptions:
             "walking",
             "trusted_after",
             "oldest",
-            "margin_known",
         ):
             if not 0.0 <= getattr(self, name) < math.inf:
                 raise ShapeError(f"{name} must be a number >= 0, got {getattr(self, name)}")
@@ -107,7 +109,7 @@ class Guard:
             vehicle: The body, its layers by height.
             options: What the guard reckons with.
             known: Which points (N, 3) of the world frame belong to solids that were planned for:
-                they stand, and only `margin_known` is kept from them. None: nothing is known.
+                they stand, and `margin_known` is kept from them. None: nothing is known.
         """
         self.options = GuardOptions() if options is None else options
         self._known = known
@@ -294,6 +296,9 @@ class Guard:
             self._radius,
             _APART,
         )
+        rows = np.vstack([rows, rows[-1]])
+        rows[-1, 0] += chosen.standing
+        between = np.append(between, 0.0)
         planes = (self._normals, self._offsets, self._heights)
         return int(is_way_free(points, walking, rows, between, *planes, margins, age))
 

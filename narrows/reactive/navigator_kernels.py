@@ -108,7 +108,8 @@ def is_way_free(
     """Return the first point in the way of a stopping body, or -1.
 
     A point is in the way if it may come nearer than its margin. One that stands and is that near
-    already must not come nearer; one in the body already forbids any motion. Distances to a
+    already must not come nearer; one in the body already forbids any motion (one whose margin is
+    negative: if it is that deep). Distances to a
     polygon are those to the furthest of its edges' lines: never more than the true ones.
 
     Args:
@@ -150,7 +151,7 @@ def is_way_free(
             if not heights[layer, 0] < z < heights[layer, 1]:
                 continue
             first = _distance(x, y, normals[layer], offsets[layer])
-            if first <= 0.0:
+            if first <= min(margins[n], 0.0):
                 return n
             for k in range(len(rows)):
                 cos, sin = math.cos(rows[k, 3]), math.sin(rows[k, 3])
