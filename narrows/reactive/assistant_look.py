@@ -39,10 +39,9 @@ class Look:
         near = 2.0 * np.array(_NEAR_RIMS)
         self._near = near[near <= regions.norms[-1] + 1e-9]
         options = regions.options
-        timing = np.array([options.latency, options.deceleration / (1.0 + options.speed_error)])
         self._brakings = np.empty((options.directions, len(self._near), 3 * FRAMES, 4))
         for k in range(options.directions):
-            motions = motions_of(k, regions.track, options)
+            motions, timing = motions_of(k, regions.track, options)
             braking_frames(motions, self._near, timing, self._brakings[k])
 
     def show(self, points: Array, unknown: Array, spread: float, pose: Array) -> None:

@@ -80,8 +80,8 @@ class DoorBlendOptions:
     askew: float = math.radians(75.0)
     rise: float = 0.6
     share: float = 0.9
-    pace: float = 0.5
-    look_ahead: float = 0.35
+    pace: float = 0.45
+    look_ahead: float = 0.3
     off: float = 0.15
     retry: float = 1.0
     trust: float = 0.2

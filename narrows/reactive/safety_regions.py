@@ -35,21 +35,21 @@ class RegionOptions:
         headroom: Fastest speed in the tables, as a multiple of the fastest rim the limits allow: a
             chair that brakes comfortably stops like one that brakes fully from a higher speed.
         cell: Edge of a cell [m].
-        castor_samples: Samples of the time Tc in which castors turn straight, over 0 to infinity.
-        pose_samples: Poses on a braking manoeuvre.
+        castor_samples: Samples of the time in which castors turn straight, over 0 to infinity.
+        pose_samples: Poses on the longest braking manoeuvre.
     """
 
     latency: float = 0.1
     deceleration: float = 1.0
-    speed_error: float = 0.03
+    speed_error: float = 0.025
     margin: float = 0.01
     spread: float = 0.02
     directions: int = 480
     levels: int = 40
     headroom: float = 1.6
     cell: float = 0.02
-    castor_samples: int = 4
-    pose_samples: int = 9
+    castor_samples: int = 5
+    pose_samples: int = 12
 
     def __post_init__(self) -> None:
         """Check the ranges."""

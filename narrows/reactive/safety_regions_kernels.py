@@ -197,47 +197,55 @@ def paint_direction(
     motions: Array,
     norms: Array,
     timing: Array,
-    castors: Array,
     body: Array,
     lower: Array,
     cell: float,
-    samples: int,
+    castor_samples: int,
+    pose_samples: int,
 ) -> None:
     """Paint one direction's region: the least level that reaches each cell.
 
     From the highest level down, each paints over those above. Between neighbouring samples of
     level, castors and time, and over all measurement errors, a body point moves within the hull of
-    where it is at the samples, but for curvature, which is added as slack: step x turn / 8.
+    where it is at the samples, but for curvature, which is added as slack: step x turn / 8. So
+    slow motions, which turn little, need fewer samples.
 
     Args:
         plane: Levels, shape (rows along x, columns along y), all `NEVER` before.
         motions: v and omega per unit of the speed norm, one row for each error, shape (E, 2).
         norms: Speed norm of each level, from 0, shape (L,), [m/s].
         timing: Latency [s] and rim deceleration [m/s^2].
-        castors: Samples of c as in `braking_poses`, from 0 to 1, shape (C,).
         body: Corners of the body with all it must keep around it, shape (K, 2), [m].
         lower: Corner of the grid [m], shape (2,).
         cell: Edge of a cell [m].
-        samples: Poses on each braking manoeuvre.
+        castor_samples: Most samples of the castors' c as in `braking_poses`, over 0 to 1.
+        pose_samples: Most poses on each braking manoeuvre.
     """
     errors, corners = len(motions), len(body)
     radius = 0.0
     for k in range(corners):
         radius = max(radius, math.hypot(body[k, 0], body[k, 1]))
-    faster = np.empty((errors, len(castors), samples, 3))
-    slower = np.empty((errors, len(castors), samples, 3))
+    faster = np.empty((errors, castor_samples, pose_samples, 3))
+    slower = np.empty((errors, castor_samples, pose_samples, 3))
     points = np.empty((8 * errors * corners, 2))
     ring = np.empty((2 * len(points) + 2, 2))
     for level in range(len(norms) - 1, 0, -1):
+        norm = norms[level]
+        duration = 0.5 * norm / timing[1]
+        turn = abs(motions[errors // 2, 1]) * norm * (timing[0] + 0.5 * duration)
+        way = 0.5 * norm * (timing[0] + 0.5 * duration)
+        ways = min(castor_samples, 2 + int(turn / 0.1))
+        samples = min(pose_samples, 5 + int(way / 0.06 + turn / 0.08))
         for which in range(2):
             norm = norms[level - which]
             target = faster if which == 0 else slower
+            duration = 0.5 * norm / timing[1]
             for e in range(errors):
                 v, omega = motions[e, 0] * norm, motions[e, 1] * norm
-                for c in range(len(castors)):
-                    duration = 0.5 * norm / timing[1]
-                    braking_poses(v, omega, duration, timing[0], castors[c], target[e, c])
-        for c in range(len(castors) - 1):
+                for c in range(ways):
+                    poses = target[e, c, :samples]
+                    braking_poses(v, omega, duration, timing[0], c / (ways - 1.0), poses)
+        for c in range(ways - 1):
             for i in range(samples - 1):
                 count, slack = _gather(faster, slower, c, i, body, radius, points)
                 size = hull_in_place(points, count, ring)

@@ -34,7 +34,7 @@ def painted(
         report: Called with the share done.
     """
     body = np.ascontiguousarray(protected(outline, options))
-    faster = 1.0 + options.speed_error
+    faster = 1.0 + 2.0 * options.speed_error
     rim = 0.5 * float(norms[-1]) * faster
     stop = rim * options.latency + rim * rim / (2.0 * options.deceleration)
     reach = float(np.linalg.norm(body, axis=1).max()) + stop
@@ -42,16 +42,14 @@ def painted(
     lower = np.full(2, -half * options.cell)
     shape = (options.directions, 2 * half, 2 * half)
     levels, parts = np.full(shape, NEVER, dtype=np.uint8), np.zeros(shape, dtype=np.uint8)
-    timing = np.array([options.latency, options.deceleration / faster])
-    castors = np.linspace(0.0, 1.0, options.castor_samples)
     bodies = [np.ascontiguousarray(offset_polygon(body, grown)) for grown in _NEIGHBOURHOODS]
     poses = np.empty((4 * options.pose_samples, 3))
     scratch = np.empty_like(body)
     for k in range(options.directions):
-        motions = motions_of(k, track, options)
+        motions, timing = motions_of(k, track, options)
         paint_direction(
-            levels[k], motions, norms, timing, castors, body, lower, options.cell,
-            options.pose_samples,
+            levels[k], motions, norms, timing, body, lower, options.cell,
+            options.castor_samples, options.pose_samples,
         )  # fmt: skip
         v, omega = motions[1] * norms[-1]
         duration = 0.5 * float(norms[-1]) / timing[1]
@@ -63,20 +61,27 @@ def painted(
     return _cropped(lower, levels, parts, options.cell)
 
 
-def motions_of(index: int, track: float, options: RegionOptions) -> Array:
-    """Return what a direction's region allows for, [v, omega] per unit of speed norm, shape (3, 2).
+def motions_of(index: int, track: float, options: RegionOptions) -> tuple[Array, Array]:
+    """Return what a direction's region allows for: motions, and the timing of their braking.
 
-    At one end of the errors, without any, at the other.
+    An error of each wheel of a share e of the faster one's speed m turns the direction by at most
+    e max(c, s) (c + s) <= 1.21 e, c and s being |cos phi| and |sin phi|, and raises the norm by at
+    most 2 e m. A region also serves the directions half a step to both sides.
 
-    Wheel errors of a share e of the faster wheel turn the direction by at most e radian; a
-    region also serves the directions half a step to both sides.
+    Returns:
+        [v, omega] per unit of speed norm, at one end of the errors, without, and at the other,
+        shape (3, 2), and latency [s] and rim deceleration for the nominal norm [m/s^2], shape (2,).
     """
     step = 2.0 * math.pi / options.directions
-    error = options.speed_error + 0.5 * step
-    phi = index * step + np.array([-error, 0.0, error])
+    centre = index * step
+    c, s = abs(math.cos(centre)), abs(math.sin(centre))
+    turned = options.speed_error * 0.5 * (1.0 + math.sqrt(2.0)) + 0.5 * step
+    faster = 1.0 + 2.0 * options.speed_error * (max(c, s) + step) / (c + s)
+    phi = centre + np.array([-turned, 0.0, turned])
     left, right = np.cos(phi), np.sin(phi)
-    scale = (1.0 + options.speed_error) / (np.abs(left) + np.abs(right))
-    return np.stack([0.5 * scale * (left + right), scale * (right - left) / track], axis=-1)
+    scale = faster / (np.abs(left) + np.abs(right))
+    motions = np.stack([0.5 * scale * (left + right), scale * (right - left) / track], axis=-1)
+    return motions, np.array([options.latency, options.deceleration / faster])
 
 
 def _cropped(
