@@ -177,7 +177,7 @@ def braking_frames(motions: Array, near: Array, timing: Array, frames: Array) ->
     Args:
         motions: v and omega per unit of speed norm, one row for each error, shape (E, 2).
         near: Speed norms, shape (P,), [m/s].
-        timing: Latency [s] and rim deceleration [m/s^2].
+        timing: Latency [s] and deceleration [m/s^2].
         frames: Filled with x, y, cosine and sine of the heading, shape (P, 2 E 5, 4).
     """
     poses = np.empty((_POSES, 3))

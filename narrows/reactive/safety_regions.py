@@ -26,7 +26,8 @@ class RegionOptions:
     Attributes:
         latency: Time from a decision to brake until the rims slow down [s]: control period, motor
             lag and whatever else is not predicted.
-        deceleration: Rate at which the faster rim slows down in a full braking [m/s^2].
+        deceleration: Rate at which half the speed norm falls in a full braking: that of |v|, or of
+            the rims in a turn on the spot; a bend's outer wheel slows down faster [m/s^2].
         speed_error: Error of each wheel's speed, as a share of the faster one's.
         margin: Free space kept around the body [m].
         spread: How far an obstacle may reach beyond the point that stands for it [m].

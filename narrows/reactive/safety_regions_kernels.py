@@ -214,7 +214,7 @@ def paint_direction(
         plane: Levels, shape (rows along x, columns along y), all `NEVER` before.
         motions: v and omega per unit of the speed norm, one row for each error, shape (E, 2).
         norms: Speed norm of each level, from 0, shape (L,), [m/s].
-        timing: Latency [s] and rim deceleration [m/s^2].
+        timing: Latency [s] and deceleration [m/s^2].
         body: Corners of the body with all it must keep around it, shape (K, 2), [m].
         lower: Corner of the grid [m], shape (2,).
         cell: Edge of a cell [m].

@@ -70,7 +70,7 @@ def motions_of(index: int, track: float, options: RegionOptions) -> tuple[Array,
 
     Returns:
         [v, omega] per unit of speed norm, at one end of the errors, without, and at the other,
-        shape (3, 2), and latency [s] and rim deceleration for the nominal norm [m/s^2], shape (2,).
+        shape (3, 2), and latency [s] and deceleration for the nominal norm [m/s^2], shape (2,).
     """
     step = 2.0 * math.pi / options.directions
     centre = index * step
