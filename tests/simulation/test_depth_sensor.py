@@ -140,6 +140,14 @@ def test_nothing_comes_back_from_either_side_of_an_edge():
     np.testing.assert_array_equal(missing, np.sort(np.concatenate([jumps, jumps + 1])))
 
 
+@pytest.mark.parametrize(("step", "lost"), [(0.05, 0), (0.07, 2)])
+def test_a_step_of_three_percent_of_the_inverse_depth_is_an_edge(step, lost):
+    """On a wall at 2 m: 1 / 1.95 is 2.6 % more than 1 / 2, 1 / 1.93 is 3.6 %."""
+    panel = Solid.polygon([[2.3 - step, 0.0], [2.3, 0.0], [2.3, 9], [2.3 - step, 9]])
+    image = sensor().measure(sensed(WALL, panel), HERE)[100]
+    assert np.count_nonzero(image == 0) == lost
+
+
 def test_what_stands_in_front_throws_the_projectors_shadow_to_its_left():
     box = Solid.polygon([[1.5, -0.2], [1.6, -0.2], [1.6, 0.2], [1.5, 0.2]])
     image = sensor(baseline=0.075).measure(sensed(WALL, box), HERE)[100]
