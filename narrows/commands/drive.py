@@ -191,7 +191,7 @@ def _describe(head: str, verdict: Judgement, written: str) -> str:
         f"driven: {'reached' if verdict.reached else 'not reached'}",
         f"  {verdict.reason}",
         ("proven clearance", millimetres(verdict.min_clearance)),
-        ("collisions", f"{len(verdict.contacts)}"),
+        ("collisions", f"{len(verdict.collisions)}"),
         "" if cross is None else ("tracking error", f"at most {1e3 * cross:.1f} mm"),
         ("driven", f"{verdict.length:.2f} m in {verdict.duration:.1f} s"),
         ("written", written) if written else "",
