@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -49,11 +50,15 @@ def run(out: Path, *, jobs: int, resume: bool, seed: int, data: str | None = Non
         jobs: Not used: there is one drive.
         resume: Not used: it is driven anew.
         seed: Of the sensors.
-        data: Folder of real frames, or one with a folder `kinect` of them; None: none.
+        data: Folder of real frames, or one with a folder `kinect` of them; by default
+            `$NARROWS_DATA` if it has that folder, otherwise none.
 
     Raises:
         StudyError: If the folder cannot be read.
     """
+    given = os.environ.get("NARROWS_DATA")
+    if data is None and given is not None and (Path(given) / "kinect").is_dir():
+        data = given
     scene = living_room()
     moments, driven = drive(scene, seed, sorted((*_TIMES, _VIEWED)))
     viewed = next(moment for moment in moments if moment.time >= _VIEWED)
