@@ -12,6 +12,7 @@ from ..interfaces import Percept
 from ..reactive.assistant import Assistant
 from ..reactive.smooth_motion import SmoothMotion
 from ..se2 import Array
+from .assisted_driving_doors import DoorSense
 from .driver_sticks import Stick
 from .drivers import Driver
 from .senses import Senses
@@ -47,6 +48,23 @@ class Seat:
         if self._senses is None:
             return Percept(-math.inf, _NOTHING)
         return self._senses.perceive(time, true_pose, believed_pose)
+
+
+class UnknownIsFree:
+    """Senses that take for free what nothing is known of, as [DrivingAssistant]'s map does.
+
+    The paper's two scanners never see the places beside the chair before it has driven past
+    them; an assistant that would not drive into unknown places could not begin to.
+    """
+
+    def __init__(self, senses: Senses) -> None:
+        """Put them before other senses."""
+        self._senses = senses
+
+    def perceive(self, time: float, true_pose: Array, believed_pose: Array) -> Percept:
+        """See `Senses`."""
+        seen = self._senses.perceive(time, true_pose, believed_pose)
+        return Percept(seen.time, seen.points, seen.spread)
 
 
 class Odometer:
@@ -86,7 +104,13 @@ class AssistedDriving:
     """
 
     def __init__(
-        self, driver: Driver, stick: Stick, seat: Seat, mover: Assistant | SmoothMotion
+        self,
+        driver: Driver,
+        stick: Stick,
+        seat: Seat,
+        mover: Assistant | SmoothMotion,
+        *,
+        doors: DoorSense | None = None,
     ) -> None:
         """Join them.
 
@@ -96,8 +120,10 @@ class AssistedDriving:
             seat: Where they sit; also the `senses` of the drive.
             mover: Turns what is indicated into commands: an assistant, or the limits alone; made
                 for the control period of the drive.
+            doors: Tells an assistant that helps through doors of the door ahead.
         """
         self._driver, self._stick, self._seat, self._mover = driver, stick, seat, mover
+        self._doors = doors
         self._odometer = Odometer(2)
         self._signals: dict[str, float] = {}
 
@@ -129,6 +155,7 @@ class AssistedDriving:
         motion = self._odometer.motion(time, pose)
         if isinstance(self._mover, SmoothMotion):
             return self._mover.step(indicated)
-        command = self._mover.step(time, indicated, motion, percept)
+        door = None if self._doors is None else self._doors.ahead(time, pose)
+        command = self._mover.step(time, indicated, motion, percept, door=door)
         self._signals |= self._mover.signals
         return command

@@ -13,10 +13,12 @@ from ..errors import StudyError
 from ..perception.map_options import MapOptions
 from ..reactive.assistant import Assistant
 from ..reactive.assistant_options import AssistantOptions
+from ..reactive.door_blend import DoorBlend
 from ..reactive.safety_regions import RegionOptions, SafetyRegions
 from ..reactive.smooth_motion import MotionLimits, SmoothMotion
 from ..scene import Scene, load_vehicle
-from ..simulation.assisted_driving import AssistedDriving, Seat
+from ..simulation.assisted_driving import AssistedDriving, Seat, UnknownIsFree
+from ..simulation.assisted_driving_doors import CertifiedDoorPaths, DoorSense
 from ..simulation.chair_senses import ChairSenses
 from ..simulation.driver_hostile import HostileDriver
 from ..simulation.driver_route import Route
@@ -46,8 +48,10 @@ HOSTILE = "hostile"
 PLANT = PlantOptions(slip=0.01, left_radius_error=0.002)
 """The chair of all drives: motors with a lag of 0.05 s, wheels that slip and differ a little."""
 
+_HOSTILE_TIME = 40.0  # s: as long a hostile driver is let loose
 _STEP = 0.025  # s: of the physics
 _SIDE = 5.0  # m: of the map; thrice the way to stop at 0.8 m/s on either side
+_CELL = 0.02  # m
 _BANDS = (0.025, 0.3)  # m: the scanners' height lies in the one band there is
 
 
@@ -58,6 +62,7 @@ class Conditions:
     Attributes:
         device: One of `DEVICES`.
         assisted: Whether the assistant assists.
+        through_doors: Whether it also helps along certified paths through doors it senses.
         options: Of the assistant.
         faults: Of both scanners.
         plant: The chair.
@@ -66,6 +71,7 @@ class Conditions:
 
     device: str = "joystick"
     assisted: bool = True
+    through_doors: bool = False
     options: AssistantOptions = field(default_factory=lambda: AssistantOptions(period=PERIOD))
     faults: Faults = field(default_factory=Faults)
     plant: PlantOptions = PLANT
@@ -145,12 +151,16 @@ def drive(
     limits = MotionLimits.of(scene.vehicle)
     stick = make_stick(conditions.device, limits)
     driver = seat_driver(name, scene, routes, stick, of_driver, device=conditions.device)
-    senses: ChairSenses | None = None
+    seat, doors = Seat(), None
     mover: Assistant | SmoothMotion = SmoothMotion(limits, period=PERIOD)
     if conditions.assisted:
         senses = scanners(scene, conditions.faults, of_sensors)
-        mover = Assistant(scene.vehicle, regions, conditions.options)
-    seat = Seat(senses)
+        seat = Seat(UnknownIsFree(senses))
+        blend = None
+        if conditions.through_doors:
+            doors = DoorSense(senses)
+            blend = DoorBlend(CertifiedDoorPaths(scene.vehicle))
+        mover = Assistant(scene.vehicle, regions, conditions.options, door_blend=blend)
     options = SimulationOptions(
         conditions.plant,
         EncoderOdometry(),
@@ -158,16 +168,16 @@ def drive(
         period=PERIOD,
         time_limit=conditions.time_limit,
     )
-    controller = AssistedDriving(driver, stick, seat, mover)
+    controller = AssistedDriving(driver, stick, seat, mover, doors=doors)
     return simulate(scene, controller, senses=seat, options=options, rng=of_plant), driver
 
 
 def scanners(scene: Scene, faults: Faults, rng: np.random.Generator) -> ChairSenses:
-    """Return the Xeno's two scanners, front and rear, at work: a degree from beam to beam, 8 Hz."""
+    """Return the Xeno's two scanners at work: front and rear, a beam a degree, 5 mm noise, 8 Hz."""
     schedule = Schedule(rate=8.0, latency=0.04, faults=faults)
-    manners = LaserManners(beams=271)
+    manners = LaserManners(beams=271, noise=0.005)
     fitted = [FittedLaser(one, schedule) for one in front_and_rear(scene.vehicle, manners=manners)]
-    options = MapOptions(side=_SIDE, bands=_BANDS)
+    options = MapOptions(side=_SIDE, cell=_CELL, bands=_BANDS)
     return ChairSenses(scene, fitted, options=options, reach=0.5 * _SIDE, rng=rng)
 
 
@@ -183,7 +193,7 @@ def course_case(case: Case, rng: np.random.Generator, regions: str) -> Mapping[s
     conditions = Conditions(
         str(case["device"]),
         bool(case["assisted"]),
-        time_limit=60.0 if case["driver"] == HOSTILE else 400.0,
+        time_limit=_HOSTILE_TIME if case["driver"] == HOSTILE else 400.0,
     )
     name = str(case["driver"])
     record, driver = drive(scene, name, course_routes(), conditions, regions_of(regions), rng)
