@@ -64,6 +64,7 @@ class SceneDrawing:
         """Draw into the scene of a page or of a replay."""
         self.api = api
         self._named: dict[str, list[Any]] = {}
+        self._tints: dict[str, str] = {}
 
     def stage(self) -> None:
         """Set up the light and which way is up."""
@@ -148,6 +149,7 @@ class SceneDrawing:
     def chair(self, vehicle: Vehicle) -> None:
         """Draw the chair with its occupant, and the body it is taken for."""
         self.remove("chair")
+        self._tints = {}
         self.keep("chair", self.api.add_frame("/chair", show_axes=False))
         for part in chair_parts(vehicle):
             self.keep("chair", self.mesh(f"/chair/{part.name}", part.mesh, part.colour))
@@ -165,6 +167,18 @@ class SceneDrawing:
         if handle is not None:
             handle.position = (float(pose[0]), float(pose[1]), 0.0)
             handle.wxyz = turn(float(pose[2]))
+
+    def tint(self, colour: str) -> None:
+        """Give the chair's body a colour: who is in control."""
+        for number in range(len(self._named.get("chair", []))):
+            for name in (f"/chair/body_{number}", f"/chair/body_{number}_edges"):
+                handle: Any = self.api.get_handle_by_name(name)
+                if handle is not None and self._tints.get(name) != colour:
+                    self._tints[name] = colour
+                    if name.endswith("edges"):
+                        handle.colors = np.array(rgb(colour), dtype=np.uint8)
+                    else:
+                        handle.color = rgb(colour)
 
     def end(self, name: str, vehicle: Vehicle, pose: Array) -> dict[str, Any]:
         """Draw `start` or `goal`: the body's print on the floor, an arrow; return their handles."""

@@ -22,9 +22,6 @@ from typing import Any
 
 from narrows.errors import NarrowsError, ShapeError
 
-Report = Callable[[Any], None]
-"""What a job calls to say how far it is: a share from 0 to 1, or anything that can be sent."""
-
 Work = Callable[..., Any]
 """What a job runs: a function at the top of a module, called as work(report, *arguments)."""
 
@@ -43,6 +40,26 @@ class Told:
 
     kind: str
     value: Any
+
+
+class Report:
+    """A job's line to who asked for it."""
+
+    def __init__(self, connection: Connection | None = None) -> None:
+        """Keep the line; None: nobody listens."""
+        self._connection = connection
+        self._heard: Any = None
+
+    def __call__(self, share: Any) -> None:
+        """Say how far it is: a share from 0 to 1, or anything that can be sent."""
+        if self._connection is not None:
+            self._connection.send(Told("progress", share))
+
+    def latest(self) -> Any:
+        """Return what the job was told last by `Job.tell`; None: nothing yet."""
+        while self._connection is not None and self._connection.poll():
+            self._heard = self._connection.recv()
+        return self._heard
 
 
 _GONE = Told("broken", "the process that plans has ended: start the page again")
@@ -68,6 +85,10 @@ class Job:
         """Keep where to cancel."""
         self._number = number
         self._runner = runner
+
+    def tell(self, value: Any) -> None:
+        """Tell the work something while it is under way."""
+        self._runner.tell(self._number, value)
 
     def cancel(self) -> None:
         """End the work; nothing more is heard of it. Of a job that has ended, nothing."""
@@ -112,6 +133,12 @@ class JobRunner:
         if not sent:
             heard(_GONE)
         return Job(number, self)
+
+    def tell(self, number: int, value: Any) -> None:
+        """Tell a job something, by its number."""
+        with self._lock:
+            if number in self._listeners:
+                self._send("tell", number, value, ())
 
     def cancel(self, number: int) -> None:
         """End a job by its number."""
@@ -160,35 +187,38 @@ class JobRunner:
 def _forge(server: Connection, warm: tuple[Work, ...]) -> None:
     """Wait for requests, fork a process for each, pass on what the processes tell."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the page's own process ends this one
-    started: dict[int, BaseProcess] = {}
+    started: dict[int, tuple[BaseProcess, Connection]] = {}
     readers: dict[Connection, int] = {}
     left = list(warm)
     if left:
-        left.pop(0)(_nothing)
+        left.pop(0)(Report())
     multiprocessing.set_start_method(_method(), force=True)
     while True:
         ready = wait([server, *readers], timeout=_WARM_PAUSE if left else None)
         if not ready and left:
-            left.pop(0)(_nothing)
+            left.pop(0)(Report())
         for connection in ready:
             if connection is not server:
                 _pass_on(server, connection, readers, started)
                 continue
             order, number, work, arguments = _next_order(server)
             if order == "stop":
-                for process in started.values():
+                for process, _ in started.values():
                     process.kill()
                 return
             if order == "start":
-                reader, writer = multiprocessing.Pipe(duplex=False)
-                process = multiprocessing.Process(target=_work, args=(writer, work, arguments))
+                mine, theirs = multiprocessing.Pipe()
+                process = multiprocessing.Process(target=_work, args=(theirs, work, arguments))
                 process.daemon = True
                 process.start()
-                writer.close()
-                started[number], readers[reader] = process, number
+                theirs.close()
+                started[number], readers[mine] = (process, mine), number
             elif order == "cancel":
                 if number in started:
-                    started[number].kill()
+                    started[number][0].kill()
+            elif order == "tell":
+                if number in started:
+                    _tell(started[number][1], work)
             else:
                 raise ShapeError(f"no such order: {order}")
 
@@ -206,7 +236,7 @@ def _pass_on(
     server: Connection,
     reader: Any,
     readers: dict[Connection, int],
-    started: dict[int, BaseProcess],
+    started: dict[int, tuple[BaseProcess, Connection]],
 ) -> None:
     """Send on what a job's process tells; at its end, whether it ended without an answer."""
     number = readers[reader]
@@ -215,28 +245,27 @@ def _pass_on(
     except (EOFError, OSError):  # OSError: killed in the middle of a message
         del readers[reader]
         reader.close()
-        process = started.pop(number)
+        process, _ = started.pop(number)
         process.join()
         text = f"the work ended without an answer (exit code {process.exitcode})"
         server.send((number, Told("broken", f"{text}; the terminal may say more")))
 
 
+def _tell(job: Connection, value: Any) -> None:
+    try:
+        job.send(value)
+    except OSError:
+        return  # it has just ended
+
+
 def _work(writer: Connection, work: Work, arguments: tuple[Any, ...]) -> None:
     """Run a job in its own process and send what comes of it."""
-
-    def report(share: Any) -> None:
-        writer.send(Told("progress", share))
-
     try:
-        told = Told("result", work(report, *arguments))
+        told = Told("result", work(Report(writer), *arguments))
     except NarrowsError as error:
         told = Told("refused", str(error))
     writer.send(told)
     writer.close()
-
-
-def _nothing(share: Any) -> None:
-    """Report to nobody."""
 
 
 def _method() -> str:

@@ -3,15 +3,23 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
 from dataclasses import dataclass
+from enum import IntEnum
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from narrows.scene import Scene
 from narrows.se2 import Array
 from narrows.trajectory import Trajectory
 
+from .page_senses import Moment
 from .page_work import Drive, distances
+
+if TYPE_CHECKING:
+    from narrows.simulation.record import Record
 
 _ROWS = 240  # of a curve
 
@@ -43,6 +51,8 @@ class Motion:
         poses: Shape (N, 3), [m, m, rad].
         curves: What is plotted, rows at `times`.
         fault: Why it must not be taken for a motion that is clear, or empty.
+        moments: What was known on the way, by time.
+        states: Name of who was in control at each row, shape (N,); empty: always the same.
     """
 
     name: str
@@ -50,11 +60,25 @@ class Motion:
     poses: Array
     curves: tuple[Curve, ...]
     fault: str = ""
+    moments: tuple[Moment, ...] = ()
+    states: tuple[str, ...] = ()
 
     @property
     def duration(self) -> float:
         """Time at the end [s]."""
         return float(self.times[-1])
+
+    def moment(self, time: float) -> Moment | None:
+        """Return what was known last at a time [s], or None."""
+        index = bisect_right(self.moments, time + 1e-9, key=lambda moment: moment.time) - 1
+        return self.moments[index] if index >= 0 else None
+
+    def state(self, time: float) -> str:
+        """Return who was in control at a time [s], or nothing."""
+        if not self.states:
+            return ""
+        index = int(np.searchsorted(self.times, time + 1e-9, side="right")) - 1
+        return self.states[max(index, 0)]
 
     def pose(self, time: float) -> Array:
         """Return the pose at a time, shape (3,)."""
@@ -82,8 +106,26 @@ def driven_motion(drive: Drive) -> Motion | None:
     if record.has_reference:
         error = 1e3 * np.abs(record.cross_track[rows])
         curves.append(Curve("tracking error [mm]", ("off the plan",), error[:, None]))
-    fault = "driven with contact" if judgement.contacts else ""
-    return Motion("drive", record.times[rows], record.poses[rows], tuple(curves), fault)
+    if "intrusion" in record.signals:
+        intrusion = record.signals["intrusion"][rows]
+        curves.append(Curve("intrusion", ("of the zone",), intrusion[:, None]))
+    fault = "driven with contact" if judgement.collisions else ""
+    times, poses = record.times[rows], record.poses[rows]
+    states = _states(record, rows)
+    return Motion("drive", times, poses, tuple(curves), fault, drive.moments, states)
+
+
+def _states(record: Record, rows: NDArray[np.int64]) -> tuple[str, ...]:
+    """Return the names of who was in control, where the controller told."""
+    from narrows.reactive.assistant_options import AssistantState
+    from narrows.reactive.switching import Active
+
+    told: dict[str, type[IntEnum]] = {"active": Active, "state": AssistantState}
+    for signal, kind in told.items():
+        if signal in record.signals:
+            values = record.signals[signal][rows].astype(int)
+            return tuple(kind(value).name.lower().replace("_", " ") for value in values.tolist())
+    return ()
 
 
 def _wheels(speeds: Array) -> Curve:

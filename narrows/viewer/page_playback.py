@@ -18,6 +18,18 @@ from .page_motion import Curve, Motion
 
 RATES = {"¼ ×": 0.25, "½ ×": 0.5, "1 ×": 1.0, "2 ×": 2.0, "4 ×": 4.0}
 
+STATES = {
+    "goal": palette.BLUE,
+    "zone": "#B35900",
+    "stopped": palette.WALL,
+    "backing": palette.RED,
+    "full user control": palette.BLUE,
+    "braking": palette.RED,
+    "obstacle avoidance": "#B35900",
+    "restoring orientation": palette.GREEN,
+}
+"""Colours of who is in control: of the words, the body and the way driven."""
+
 _FRAME = 0.04  # s between frames
 _PLOT_EVERY = 3  # frames
 _LINES = (palette.BLUE, palette.ORANGE, palette.GREEN, palette.PINK)
@@ -181,9 +193,18 @@ def _plot(gui: GuiApi, motion: Motion, curve: Curve) -> Any:
     )
 
 
+def state_colour(state: str) -> str:
+    """Return the colour of who is in control; blue for what has no colour of its own."""
+    return STATES.get(state, palette.BLUE)
+
+
 def _now(motion: Motion, at: float) -> str:
     """Return the figures of a time as HTML."""
     cells = [f"<b>{motion.name}</b> at {at:.2f} s"]
+    if motion.states:
+        state = motion.state(at)
+        chip = f"background:{state_colour(state)};color:#fff;padding:0 6px;border-radius:3px"
+        cells.append(f'in control: <b style="{chip}">{state}</b>')
     for curve in motion.curves[:_PLOTS]:
         figures = [np.interp(at, motion.times, column) for column in curve.values.T]
         places = 2 if "m/s" in curve.title else 0

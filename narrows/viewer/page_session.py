@@ -16,14 +16,16 @@ from narrows.se2 import Array
 
 from . import page_work
 from .page_chair import ChairPanel
+from .page_controllers import CONTROLLERS, Protected, drive_controller
 from .page_drag import Dragging
 from .page_drawing import SceneDrawing, camera, nearest_place, spread, thinned
 from .page_drive import DrivePanel
 from .page_guard import Guard
 from .page_jobs import Job, JobRunner, Told, Work
+from .page_layers import Layers
 from .page_motion import Motion, driven_motion, planned_motion
 from .page_places import EndPanel, ThingsPanel, WallsPanel
-from .page_playback import Playback
+from .page_playback import Playback, state_colour
 from .page_save import Saved, SavePanel
 from .page_state import SceneState
 from .page_words import Words, answer, drive_words, passage_words, plan_words
@@ -47,6 +49,7 @@ class Session:
         self._guard = Guard()
         self._job: Job | None = None
         self._asked = 0
+        self._protected: Protected | None = None
         self.drawing = SceneDrawing(client.scene)
         self.drawing.stage()
         gui = client.gui
@@ -68,8 +71,11 @@ class Session:
         gui, state = self.client.gui, self.state
         tabs = gui.add_tab_group()
         with tabs.add_tab("Drive"):
-            self.driving = DrivePanel(gui, self._locked(self.ask_drive))
+            self.driving = DrivePanel(
+                gui, self._guard, self._locked(self.ask_drive), self._tell_driver
+            )
             self.playback = Playback(gui, self._show_motion)
+            self.layers = Layers(gui, self.client.scene)
         with tabs.add_tab("Chair"):
             self._chair_answer = gui.add_html("")
             self.chair = ChairPanel(gui, self._guard, self._edit_chair)
@@ -118,8 +124,24 @@ class Session:
     def ask_drive(self) -> None:
         """Drive the plan; plan first if there is none."""
         if self._usable():
-            given = (self.state.scene, self.plan, self.driving.tracker)
-            self._ask("driving", page_work.drive_scene, given, self._driven)
+            scene, who = self.state.scene, self.driving.who
+            if who not in CONTROLLERS:
+                given = (scene, self.plan, who)
+                self._ask("driving", page_work.drive_scene, given, self._driven)
+                return
+            told = (scene, self.plan, who, self.driving.driver, self._protected)
+            self._ask("driving", drive_controller, told, self._driven)
+            if self.driving.by_hand:
+                self.driving.hold_stick(on=True)
+                self._play(None)
+                self.drawing.remove("drive")
+                self.drawing.tint(state_colour(""))
+
+    def _tell_driver(self, value: Any) -> None:
+        """Pass on what the page's stick says to the drive under way."""
+        with self._guard.lock:
+            if self._job is not None:
+                self._job.tell(value)
 
     def cancel(self) -> None:
         """End what is under way."""
@@ -167,6 +189,10 @@ class Session:
         threading.Thread(target=tick, daemon=True).start()
 
     def _hear(self, told: Told, done: Callable[[Any], None]) -> None:
+        if told.kind == "progress" and isinstance(told.value, dict):
+            self.drawing.place(told.value["pose"])
+            self.drawing.at_time(self.state.scene, float(told.value["time"]))
+            return
         if told.kind == "progress":
             self._bar.animated = False
             self._bar.value = 100.0 * float(told.value)
@@ -182,6 +208,7 @@ class Session:
         if self._job is not None:
             self._job.cancel()
         self._job = None
+        self.driving.hold_stick(on=False)
         self._cancel_button.visible = self._bar.visible = False
         self._bar.animated = True
 
@@ -203,12 +230,16 @@ class Session:
         self.drawing.remove("plan")
         self.drawing.mark(None, "", bad=False)
         if plan.trajectory is None or plan.certificate is None:
-            self.playback.load(None)
+            self._play(None)
             return
         self.drawing.motion("plan", scene.vehicle, spread(plan.trajectory.path))
         at, text = nearest_place(scene, plan.trajectory.path, plan.certificate)
         self.drawing.mark(at, text, bad=False)
-        self.playback.load(planned_motion(scene, plan.trajectory))
+        self._play(planned_motion(scene, plan.trajectory))
+
+    def _play(self, motion: Motion | None) -> None:
+        self.layers.load(motion)
+        self.playback.load(motion)
 
     def _marker(self, number: int) -> Callable[[Told], None]:
         """Return what marks the place where the millimetres are missing, if still asked."""
@@ -231,17 +262,19 @@ class Session:
         )
 
     def _driven(self, drive: page_work.Drive) -> None:
-        if self.plan is not drive.plan:
+        if drive.plan is not None and self.plan is None:
             self._take_plan(drive.plan)
         self.drive = drive
+        self._protected = drive.protected or self._protected
         motion = driven_motion(drive)
         if motion is None or drive.judgement is None:
-            self.say(plan_words(drive.plan))
+            if drive.plan is not None:
+                self.say(plan_words(drive.plan))
             return
         rows = thinned(motion.poses)
         self.drawing.motion("drive", self.state.scene.vehicle, rows, fault=motion.fault)
         self.say(drive_words(drive.judgement))
-        self.playback.load(motion)
+        self._play(motion)
 
     # What is changed
 
@@ -259,7 +292,7 @@ class Session:
         self.state = state
         self._end_job()
         self.plan = self.drive = None
-        self.playback.load(None)
+        self._play(None)
         for group in ("plan", "drive"):
             self.drawing.remove(group)
         self.drawing.mark(None, "", bad=False)
@@ -317,6 +350,8 @@ class Session:
     def _show_motion(self, motion: Motion, at: float) -> None:
         self.drawing.place(motion.pose(at))
         self.drawing.at_time(self.state.scene, at)
+        self.drawing.tint(state_colour(motion.state(at)))
+        self.layers.show(at)
 
     def say(self, words: Words) -> None:
         """Say a verdict in large words."""

@@ -108,8 +108,8 @@ def passage_words(verdict: Verdict, scene: Scene) -> Words:
 def drive_words(judgement: Judgement) -> Words:
     """Return what came of a drive."""
     free = judgement.min_clearance
-    if judgement.contacts:
-        figure = f"{len(judgement.contacts)} collision(s)"
+    if judgement.collisions:
+        figure = f"{len(judgement.collisions)} collision(s)"
         return Words("bad", "driven with contact", figure, judgement.reason)
     figure = "nothing to touch" if math.isinf(free) else f"{_down(free)} mm clear, driven"
     if judgement.reached:

@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from narrows.simulation.judge import Judgement
     from narrows.simulation.record import Record
 
+    from .page_controllers import Protected
+    from .page_senses import Moment
+
 WARM_SCENE = """
 vehicle: {preset: narrow-arcs, limits: {curvature: 2.5, reverse_speed: 0}}
 doorway: {corridor_width: 1.6, door_width: 0.9}
@@ -31,16 +34,22 @@ class Drive:
     """What came of a drive.
 
     Attributes:
-        plan: What was planned for it; not certified: nothing was driven.
+        plan: What was planned, if anything; not certified: a tracker drove nothing.
         record: The drive, or None.
         judgement: What is true of it, or None.
         clearance: Distance to the nearest solid at each row of the record, (N,), [m].
+        moments: What was known on the way, for those who drive by what they perceive.
+        who: Who drove.
+        protected: Safety regions computed for it, for the next drive of the same chair.
     """
 
-    plan: Plan
+    plan: Plan | None
     record: Record | None = None
     judgement: Judgement | None = None
     clearance: Array | None = None
+    moments: tuple[Moment, ...] = ()
+    who: str = ""
+    protected: Protected | None = None
 
 
 def plan_scene(report: Report, scene: Scene) -> Plan:
@@ -68,7 +77,8 @@ def drive_scene(report: Report, scene: Scene, plan: Plan | None, tracker: str) -
         return Drive(plan)
     follower = make_tracker(tracker, plan.trajectory, scene.vehicle)
     record = simulate(scene, follower, reference=plan.trajectory, report=report)
-    return Drive(plan, record, judge(scene, record), distances(scene, record.poses))
+    near = distances(scene, record.poses)
+    return Drive(plan, record, judge(scene, record), near, who=tracker)
 
 
 def distances(scene: Scene, poses: Array) -> Array:

@@ -1,0 +1,295 @@
+"""Drives by what is perceived: the navigator, and people with or without the assistant."""
+
+from __future__ import annotations
+
+import math
+import time as clock
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from narrows.errors import InputError
+from narrows.interfaces import Percept, Plan
+from narrows.scene import Scene
+from narrows.se2 import Array
+from narrows.vehicle import Vehicle
+
+from .page_jobs import Report
+from .page_senses import Watched, region_outline, zone_outline
+from .page_work import Drive, distances, plan_scene
+
+if TYPE_CHECKING:
+    from narrows.reactive.safety_regions import SafetyRegions
+    from narrows.simulation.chair_senses import ChairSenses
+    from narrows.simulation.drivers import Driver
+    from narrows.simulation.simulator import SimulationOptions
+
+NAVIGATOR, ASSISTANT, ALONE = "navigator", "assistant", "driver alone"
+CONTROLLERS = (NAVIGATOR, ASSISTANT, ALONE)
+"""Who drives by what it perceives; the last two have a driver."""
+
+BY_HAND = "joystick of this page"
+_PERIOD = 0.05  # s, of the assistant
+_REACH = 2.5  # m, of the map about the chair
+_UNSEEN = 0.4  # m/s into what the wheels hide from the scanners
+_BAND = (0.025, 0.3)  # m: the scanners' height lies in the one band there is
+_NAVIGATED = 90.0  # s: longest drive of the navigator
+_DRIVEN = 90.0  # s: longest drive of a person
+_ROUTE = 0.4  # m between the corners of a driver's way
+_THERE = 0.35  # m from the goal: a person has arrived
+
+
+@dataclass(frozen=True, eq=False)
+class Protected:
+    """Safety regions and the chair they were computed for, kept for its next drive.
+
+    Attributes:
+        key: What of the chair they depend on.
+        regions: They.
+    """
+
+    key: tuple[Any, ...]
+    regions: SafetyRegions
+
+
+def chair_key(vehicle: Vehicle) -> tuple[Any, ...]:
+    """Return what safety regions depend on."""
+    return (vehicle.outline.round(9).tobytes(), vehicle.track, *vars(vehicle.limits).values())
+
+
+def driver_names() -> tuple[str, ...]:
+    """Return who can sit in the chair."""
+    from narrows.simulation.driver_traits import DRIVERS
+
+    return (*DRIVERS, BY_HAND)
+
+
+def drive_controller(
+    report: Report,
+    scene: Scene,
+    plan: Plan | None,
+    who: str,
+    driver: str,
+    protected: Protected | None,
+) -> Drive:
+    """Return a drive by what is perceived.
+
+    Args:
+        report: Told the share of the time, and with `BY_HAND` the pose as it is.
+        scene: The scene.
+        plan: Its plan, the way a driver has in mind; None: planned first.
+        who: One of `CONTROLLERS`.
+        driver: One of `driver_names()`, for those that have one.
+        protected: Safety regions of an earlier drive.
+
+    Raises:
+        InputError: If there is nobody of that name, or a driver has no way to go.
+    """
+    if who == NAVIGATOR:
+        return _navigated(report, scene)
+    if who in (ASSISTANT, ALONE):
+        return _assisted(report, scene, plan, driver, protected, alone=who == ALONE)
+    allowed = ", ".join(CONTROLLERS)
+    raise InputError("there is no such controller", value=who, allowed=allowed)
+
+
+def _navigated(report: Report, scene: Scene) -> Drive:
+    from narrows.reactive.navigator import Navigator
+    from narrows.simulation.simulator import SimulationOptions
+
+    navigator = Navigator(scene.vehicle, scene.goal.pose[:2])
+    watched = Watched(scanners(scene))
+    speed = _Speed()
+
+    def outline(percept: Percept) -> tuple[Array, ...]:
+        return zone_outline(navigator.zone.shape, speed.value, percept)
+
+    watched.outline = outline
+    limits = SimulationOptions(time_limit=_NAVIGATED)
+    drive = _judged(report, scene, _Told(navigator, speed), watched, limits, Drive(None))
+    return Drive(None, drive.record, drive.judgement, drive.clearance, drive.moments, NAVIGATOR)
+
+
+def scanners(scene: Scene) -> ChairSenses:
+    """Return two laser scanners, front and rear, and the map of the one height they look along."""
+    from narrows.perception.map_options import MapOptions
+    from narrows.simulation.chair_senses import ChairSenses
+    from narrows.simulation.fitted_sensors import FittedLaser, Schedule
+    from narrows.simulation.laser import LaserManners, front_and_rear
+
+    manners = LaserManners(beams=271)
+    both = front_and_rear(scene.vehicle, manners=manners)
+    fitted = [FittedLaser(one, Schedule()) for one in both]
+    options = MapOptions(side=2.0 * _REACH, bands=_BAND)
+    return ChairSenses(scene, fitted, options=options, reach=_REACH)
+
+
+class _Speed:
+    """The speed commanded last [m/s], and the rate [rad/s]."""
+
+    value = 0.0
+    rate = 0.0
+
+
+class _Told:
+    """A controller whose command is taken down as it is given."""
+
+    def __init__(self, controller: Any, speed: _Speed) -> None:
+        self._controller, self._speed = controller, speed
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._controller, name)
+
+    def step(self, time: float, pose: ArrayLike, percept: Percept) -> Array:
+        command: Array = self._controller.step(time, pose, percept)
+        self._speed.value, self._speed.rate = float(command[0]), float(command[1])
+        return command
+
+
+def _assisted(
+    report: Report,
+    scene: Scene,
+    plan: Plan | None,
+    name: str,
+    protected: Protected | None,
+    *,
+    alone: bool,
+) -> Drive:
+    from narrows.reactive.assistant import Assistant
+    from narrows.reactive.assistant_options import AssistantOptions
+    from narrows.reactive.smooth_motion import MotionLimits, SmoothMotion
+    from narrows.simulation.assisted_driving import AssistedDriving, Seat
+    from narrows.simulation.driver_sticks import make_stick
+    from narrows.simulation.localisation import EncoderOdometry
+    from narrows.simulation.simulator import SimulationOptions
+
+    limits = MotionLimits.of(scene.vehicle)
+    stick = make_stick("joystick", limits)
+    plan, driver = _seated(report, scene, plan, name, stick)
+    speed, watched = _Speed(), Watched(scanners(scene))
+    mover: Assistant | SmoothMotion = SmoothMotion(limits, period=_PERIOD)
+    if not alone:
+        protected = _protected(report, scene.vehicle, protected)
+        regions = protected.regions
+        mover = Assistant(
+            scene.vehicle, regions, AssistantOptions(period=_PERIOD, unknown_speed=_UNSEEN)
+        )
+
+        def outline(percept: Percept) -> tuple[Array, ...]:
+            return region_outline(regions, speed.value, speed.rate)
+
+        watched.outline = outline
+    seat = Seat(watched)
+    controller = _Told(AssistedDriving(driver, stick, seat, mover), speed)
+    options = SimulationOptions(
+        localisation=EncoderOdometry(), step=0.025, period=_PERIOD, time_limit=_DRIVEN
+    )
+    whose = f"{ALONE if alone else ASSISTANT}, {name}"
+    drive = _judged(report, scene, controller, watched, options, Drive(plan), senses=seat)
+    kept = (drive.record, drive.judgement, drive.clearance, drive.moments)
+    return Drive(plan, *kept, whose, protected)
+
+
+def _judged(
+    report: Report,
+    scene: Scene,
+    controller: Any,
+    watched: Watched,
+    options: SimulationOptions,
+    before: Drive,
+    senses: Any = None,
+) -> Drive:
+    from narrows.simulation.judge import judge
+    from narrows.simulation.simulator import simulate
+
+    record = simulate(
+        scene,
+        controller,
+        senses=watched if senses is None else senses,
+        options=options,
+        report=report,
+    )
+    near = distances(scene, record.poses)
+    return Drive(before.plan, record, judge(scene, record), near, tuple(watched.moments))
+
+
+def _protected(report: Report, vehicle: Vehicle, before: Protected | None) -> Protected:
+    """Return the safety regions of a chair; computing them takes seconds."""
+    from narrows.reactive.safety_regions import RegionOptions, SafetyRegions
+    from narrows.simulation.plant import PlantOptions
+
+    if before is not None and before.key == chair_key(vehicle):
+        return before
+    options = RegionOptions(latency=_PERIOD + PlantOptions().motor_lag)
+    return Protected(chair_key(vehicle), SafetyRegions.compute(vehicle, options, report))
+
+
+def _seated(
+    report: Report, scene: Scene, plan: Plan | None, name: str, stick: Any
+) -> tuple[Plan | None, Driver]:
+    """Return the plan whose path somebody has in mind, if they need one, and them."""
+    from narrows.simulation.driver_route import Route
+    from narrows.simulation.driver_sight import Sight
+    from narrows.simulation.driver_traits import DRIVERS
+    from narrows.simulation.drivers import ScriptedDriver
+
+    if name == BY_HAND:
+        return plan, PageDriver(report, scene)
+    if name not in DRIVERS:
+        allowed = ", ".join(driver_names())
+        raise InputError("there is no such driver", value=name, allowed=allowed)
+    plan = plan_scene(report, scene) if plan is None else plan
+    if plan.path is None:
+        raise InputError(f"the driver knows no way: {plan.status.value}, {plan.reason}")
+    count = max(2, math.ceil(plan.path.length / _ROUTE) + 1)
+    places = plan.path(np.linspace(0.0, plan.path.span, count))[:, :2]
+    apart = np.hypot(*np.diff(places, axis=0).T) > 0.02
+    route = Route(places[np.concatenate([[True], apart])], 0.3)
+    rng = np.random.default_rng(0)
+    person = ScriptedDriver(DRIVERS[name], (route,), Sight(scene.world), stick, scene.vehicle, rng)
+    return plan, person
+
+
+class PageDriver:
+    """Whoever holds the joystick of the page: in real time, until they press stop.
+
+    A `narrows.simulation.drivers.Driver` that waits for the clock, so that a simulated second
+    takes one.
+    """
+
+    def __init__(self, report: Report, scene: Scene) -> None:
+        """Begin when the first step is asked for."""
+        self._report = report
+        self._goal = np.asarray(scene.goal.pose[:2])
+        self._begun: float | None = None
+        self._stopped = False
+        self._start = np.asarray(scene.start[:2])
+        self._progress = 0.0
+
+    @property
+    def finished(self) -> bool:
+        """Whether stop was pressed."""
+        return self._stopped
+
+    @property
+    def progress(self) -> float:
+        """How much nearer to the goal than at the start [m]."""
+        return self._progress
+
+    def step(self, time: float, pose: ArrayLike, motion: ArrayLike) -> Array:
+        """Return the stick [forward, left] as it is held now."""
+        now = clock.monotonic()
+        self._begun = now if self._begun is None else self._begun
+        clock.sleep(max(0.0, self._begun + time - now))
+        place = np.asarray(pose, dtype=float)
+        before, left = self._start - self._goal, place[:2] - self._goal
+        self._progress = float(np.hypot(*before) - np.hypot(*left))
+        self._report({"time": time, "pose": place})
+        held = self._report.latest()
+        if held == "stop":
+            self._stopped = True
+        if not isinstance(held, tuple):
+            return np.zeros(2)
+        return np.asarray(np.clip(np.asarray(held, dtype=float), -1.0, 1.0))
