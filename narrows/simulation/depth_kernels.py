@@ -239,7 +239,8 @@ def _draw_round(
 @compiled
 def sensor_image(
     inverse: Array,
-    noise: Array,
+    noise: NDArray[np.float32],
+    deviation: float,
     lens: Array,
     limits: Array,
     step: float,
@@ -249,7 +250,8 @@ def sensor_image(
 
     Args:
         inverse: Exact inverse depths, shape (height, width), [1/m].
-        noise: What is added to them, the same shape; shape (0, 0): nothing. NaN: a return lost.
+        noise: Standard normal numbers, the same shape; shape (0, 0): none. NaN: a return lost.
+        deviation: What they are multiplied by, then added to the inverse depths [1/m].
         lens: fx, fy, cx, cy [px].
         limits: Inverse depths of the furthest and the nearest return [1/m], greatest step in
             slope of an inverse depth between neighbours, as a share of it, cosine of the greatest
@@ -284,7 +286,7 @@ def sensor_image(
             grazing = limits[3] * limits[3] * (a * a + b * b + c * c) * (x * x + y * y + 1.0)
             if w * w < grazing:
                 continue
-            seen = w + noise[v, u] if noisy else w
+            seen = w + deviation * noise[v, u] if noisy else w
             level = np.rint(seen / step)
             if level > 0.0:  # not for NaN
                 millimetres[v, u] = np.uint16(min(np.rint(1e3 / (step * level)), 65535.0))

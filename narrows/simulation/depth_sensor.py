@@ -145,7 +145,7 @@ class DepthSensor:
         corner = max(lens.cx, lens.width - 1 - lens.cx) / lens.fx
         reach = 2.0 * camera.furthest * math.hypot(1.0, corner)
         exact = self.inverse_depth(world, pose, time, reach=reach)
-        noise = np.empty((0, 0)) if rng is None else self._noise(exact.shape, rng)
+        noise = np.empty((0, 0), np.float32) if rng is None else self._noise(exact.shape, rng)
         limits = np.array(
             [
                 1.0 / camera.furthest,
@@ -157,14 +157,17 @@ class DepthSensor:
         )
         image = np.empty(exact.shape, dtype=np.uint16)
         optics = np.array([lens.fx, lens.fy, lens.cx, lens.cy])
-        sensor_image(exact, noise, optics, limits, camera.step, image)
+        sensor_image(exact, noise, manners.noise, optics, limits, camera.step, image)
         return image
 
-    def _noise(self, shape: tuple[int, ...], rng: np.random.Generator) -> Array:
+    def _noise(self, shape: tuple[int, ...], rng: np.random.Generator) -> NDArray[np.float32]:
+        """Return standard normal numbers, NaN where a return is lost; empty if neither is asked."""
         manners = self.manners
-        noise = np.zeros(shape)
+        noise = np.empty((0, 0), np.float32)
         if manners.noise > 0.0:
-            noise = manners.noise * rng.standard_normal(shape, dtype=np.float32).astype(float)
+            noise = rng.standard_normal(shape, dtype=np.float32)
+        elif manners.dropouts > 0.0:
+            noise = np.zeros(shape, np.float32)
         if manners.dropouts > 0.0:
             noise[rng.random(shape, dtype=np.float32) < manners.dropouts] = np.nan
         return noise
