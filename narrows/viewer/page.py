@@ -52,12 +52,8 @@ class Page:
         self._sessions: dict[int, Session] = {}
         self._lock = threading.Lock()
         self._ended = threading.Event()
+        check_address(host, port)
         self._runner = JobRunner(WARM)
-        try:
-            check_address(host, port)
-        except InputError:
-            self._runner.close()
-            raise
         rich.reconfigure(quiet=True)  # what viser prints is not for the terminal of this command
         self._server = ViserServer(host=host, port=port, label="narrows", verbose=False)
         self._server.request_share_url = _refuse_sharing  # type: ignore[method-assign]

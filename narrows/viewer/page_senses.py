@@ -94,13 +94,15 @@ def region_outline(regions: SafetyRegions, v: float, omega: float) -> tuple[Arra
     import shapely
 
     cells = regions.region(v, omega)
-    size, (x0, y0) = regions.options.cell, regions.lower
+    size = regions.options.cell
+    x, y = (
+        low + size * np.arange(n + 1) for low, n in zip(regions.lower, cells.shape, strict=True)
+    )
     boxes = []
     for row in np.flatnonzero(cells.any(axis=1)):
         columns = np.flatnonzero(np.diff(np.concatenate([[0], cells[row].astype(int), [0]])))
         for first, last in zip(columns[::2], columns[1::2], strict=True):
-            x, low, high = x0 + row * size, y0 + first * size, y0 + last * size
-            boxes.append(shapely.box(x, low, x + size, high))
+            boxes.append(shapely.box(x[row], y[first], x[row + 1], y[last]))
     area = shapely.union_all(boxes)
     parts = [part for part in shapely.get_parts(area) if part.area > 0.0]
     return tuple(np.array(part.exterior.simplify(size).coords)[:-1] for part in parts)
