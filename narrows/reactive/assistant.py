@@ -62,7 +62,7 @@ class Assistant:
         self._limits = MotionLimits.of(vehicle, yaw_jerk=options.yaw_jerk)
         self._smooth = SmoothMotion(self._limits, period=options.period)
         self._braking = ComfortBraking.of(regions.options, self._limits, options.comfort)
-        self._look = Look(vehicle, regions)
+        self._look = Look(vehicle, regions, unknown_speed=options.unknown_speed)
         self._view = View(options.fresh, options.stale)
         self._prediction = Prediction(options.latency, options.motor_lag)
         self._orientation = Orientation(options, self._limits)
@@ -125,7 +125,9 @@ class Assistant:
         else:
             target, limit = self._target(helped, trust)
             target = self._slowed(target, v, omega)
+            levelled = trust == 0.0 and self._smooth.level_off()
             taken, is_full = self._take(target, v, omega)
+            is_full = is_full or levelled
         self._prediction.send(time, *taken)
         self._signals = {
             "state": float(self.state),

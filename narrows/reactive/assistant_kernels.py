@@ -18,9 +18,9 @@ FRAMES = 2 * (_POSES - 1)  # of them kept for each error
 def place(
     points: Array,
     height: float,
-    keep: float,
     grown: float,
     is_unknown: bool,
+    anyway: float,
     pose: Array,
     lower: Array,
     cell: float,
@@ -39,9 +39,9 @@ def place(
     Args:
         points: Points in the body frame now, shape (N, 2) or (N, 3), [m].
         height: Points higher than that pass over the chair [m].
-        keep: Distance to be kept from a point [m].
         grown: Half the edge of the square of cells a point counts for beyond its own [m].
         is_unknown: Whether they are unknown places: those the body stands on do not count.
+        anyway: Speed norm allowed whatever is there [m/s].
         pose: Pose the cells are to be seen from, in the body frame now, shape (3,).
         lower: Corner of the grid [m], shape (2,).
         cell: Edge of a cell [m].
@@ -49,8 +49,7 @@ def place(
         columns: Cells along y.
         edges: Edges of the outline as `edge_rows`, shape (K, 3).
         cells: Filled with cells, row x columns + column, shape (room,).
-        where: Filled with x, y and the distance to be kept, shape (room, 3): `keep`, or less if
-            the point already is nearer than that.
+        where: Filled with x, y, distance and `anyway`, shape (room, 4).
         latest: Which of those filled was the last in each cell, shape (rows x columns,); what it
             holds of earlier steps does no harm.
         count: How many are filled.
@@ -85,7 +84,7 @@ def place(
                 latest[number] = count
                 cells[count] = number
                 where[count, 0], where[count, 1] = x, y
-                where[count, 2] = min(keep, distance)
+                where[count, 2], where[count, 3] = distance, anyway
                 count += 1
     return count
 
@@ -98,6 +97,7 @@ def speed_limit(
     where: Array,
     norms: Array,
     near: Array,
+    keeps: Array,
     brakings: Array,
     edges: Array,
     part_limits: Array,
@@ -111,9 +111,10 @@ def speed_limit(
         plane: Levels of the direction's region, shape (rows, columns).
         parts: Parts of the body met first, likewise.
         cells: Cells of the points, shape (N,).
-        where: Their places and the distances to be kept, shape (N, 3).
+        where: Their places, distances now and speeds allowed anyway, shape (N, 4).
         norms: Speed norm of each level, shape (L,), [m/s].
         near: Speed norms looked at exactly, increasing, shape (P,), [m/s].
+        keeps: Distance to be kept from a point at each of them, shape (P,), [m].
         brakings: Poses of the body in full brakings from them, as `braking_frames`.
         edges: Edges of the outline as `edge_rows`, shape (K, 3).
         part_limits: Filled with the limit set by each part of the body, shape (8,); or empty:
@@ -127,7 +128,7 @@ def speed_limit(
         level = flat_levels[cells[k]]
         if level == NEVER:
             continue
-        own = norms[level - 1] if level > 0 else 0.0
+        own = max(norms[level - 1] if level > 0 else 0.0, where[k, 3])
         if not detailed and own >= limit:
             continue
         for q in range(len(near)):
@@ -135,7 +136,7 @@ def speed_limit(
                 continue
             if not detailed and own >= limit:
                 break
-            if not _stays_clear(brakings[q], where[k], edges):
+            if not _stays_clear(brakings[q], where[k], keeps[q], edges):
                 break
             own = near[q]
         limit = min(limit, own)
@@ -146,10 +147,16 @@ def speed_limit(
 
 
 @compiled
-def _stays_clear(frames: Array, point: Array, edges: Array) -> bool:
-    """Return whether a body on its way never comes nearer to a point than is to be kept."""
-    least = point[2] - 1e-6  # m: rounding
-    for i in range(len(frames)):
+def _stays_clear(frames: Array, point: Array, keep: float, edges: Array) -> bool:
+    """Return whether a body on its way keeps its distance from a point.
+
+    From a point that is nearer already it must not come nearer still, wheels without errors: with
+    them, not even a motion along a wall could be told from one into it.
+    """
+    first, end, least = 0, len(frames), keep
+    if point[2] < keep:
+        first, end, least = FRAMES, 2 * FRAMES, point[2] - 1e-6  # m: rounding
+    for i in range(first, end):
         dx, dy = point[0] - frames[i, 0], point[1] - frames[i, 1]
         x = frames[i, 2] * dx + frames[i, 3] * dy
         y = frames[i, 2] * dy - frames[i, 3] * dx
@@ -175,10 +182,11 @@ def braking_frames(motions: Array, near: Array, timing: Array, frames: Array) ->
     """Write where the body is in full brakings: all errors, castors that keep a curve or do not.
 
     Args:
-        motions: v and omega per unit of speed norm, one row for each error, shape (E, 2).
+        motions: v and omega per unit of speed norm, one row for each error, the middle one none,
+            shape (3, 2).
         near: Speed norms, shape (P,), [m/s].
         timing: Latency [s] and deceleration [m/s^2].
-        frames: Filled with x, y, cosine and sine of the heading, shape (P, 2 E 5, 4).
+        frames: Filled with x, y, cosine and sine of the heading, shape (P, 3 FRAMES, 4).
     """
     poses = np.empty((_POSES, 3))
     for q in range(len(near)):

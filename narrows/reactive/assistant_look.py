@@ -15,6 +15,9 @@ from .side_tables import PARTS
 _NEAR_RIMS = (0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5)
 """Rim speeds at which near points are tried against the body itself, not its cells [m/s]."""
 
+_CREEP = 0.2 + 1e-9
+"""Speed norm up to which a quarter of the margin is enough: slow chairs get out of tight places."""
+
 _ROOM = 40_000  # cells of points that can be looked at; more and nothing is taken for free
 _NO_PARTS = np.zeros(0)
 
@@ -22,22 +25,27 @@ _NO_PARTS = np.zeros(0)
 class Look:
     """Looks obstacles up in a chair's safety regions; made once, shown the points at each step."""
 
-    def __init__(self, vehicle: Vehicle, regions: SafetyRegions) -> None:
+    def __init__(
+        self, vehicle: Vehicle, regions: SafetyRegions, *, unknown_speed: float = 0.0
+    ) -> None:
         """Prepare the brakings looked at exactly.
 
         Args:
             vehicle: The chair.
             regions: Its regions.
+            unknown_speed: Rim speed allowed into unknown places [m/s].
         """
+        self._unknown_norm = 2.0 * unknown_speed
         self._regions = regions
         self._height = vehicle.height
         self._edges = edge_rows(regions.outline)
         self._cells = np.empty(_ROOM, dtype=np.int32)
-        self._where = np.empty((_ROOM, 3))
+        self._where = np.empty((_ROOM, 4))
         self._latest = np.zeros(regions.levels[0].size, dtype=np.int32)
         self._count = 0
         near = 2.0 * np.array(_NEAR_RIMS)
         self._near = near[near <= regions.norms[-1] + 1e-9]
+        self._keeps = np.full(len(self._near), regions.keep)
         options = regions.options
         self._brakings = np.empty((options.directions, len(self._near), 3 * FRAMES, 4))
         for k in range(options.directions):
@@ -55,13 +63,16 @@ class Look:
         """
         regions = self._regions
         options = regions.options
-        keep = options.margin + spread
+        self._keeps = spread + options.margin * np.where(self._near > _CREEP, 1.0, 0.25)
         grown = max(0.0, spread - options.spread)
         _, rows, columns = regions.levels.shape
         count = 0
-        for which, is_unknown in ((points, False), (unknown, True)):
+        for which, is_unknown, anyway in (
+            (points, False, 0.0),
+            (unknown, True, self._unknown_norm),
+        ):
             count = place(
-                np.ascontiguousarray(which), self._height, keep, grown, is_unknown, pose,
+                np.ascontiguousarray(which), self._height, grown, is_unknown, anyway, pose,
                 regions.lower, options.cell, rows, columns, self._edges, self._cells, self._where,
                 self._latest, count,
             )  # fmt: skip
@@ -89,10 +100,10 @@ class Look:
             return 0.0
         regions = self._regions
         k = regions.index(phi)
+        count = self._count
         return speed_limit(
-            regions.levels[k], regions.parts[k], self._cells[: self._count],
-            self._where[: self._count], regions.norms, self._near, self._brakings[k], self._edges,
-            part_limits,
+            regions.levels[k], regions.parts[k], self._cells[:count], self._where[:count],
+            regions.norms, self._near, self._keeps, self._brakings[k], self._edges, part_limits,
         )  # fmt: skip
 
 

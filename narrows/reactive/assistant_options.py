@@ -57,7 +57,7 @@ class AssistantOptions:
     unknown_speed: float = 0.0
     steers: bool = True
     sides: str = "corrected"
-    close: float = 0.8
+    close: float = 0.95
     avoidance: AvoidanceOptions = field(default_factory=AvoidanceOptions)
     restores: bool = True
     restore_gain: float = 1.5

@@ -35,9 +35,9 @@ class AvoidanceOptions:
     widest: float = math.radians(40.0)
     step: float = math.radians(2.0)
     slow: float = 0.2
-    cost: float = 0.4
-    change_cost: float = 0.3
-    gain: float = 0.1
+    cost: float = 0.12
+    change_cost: float = 0.06
+    gain: float = 0.03
 
 
 def indicated_side(phi: float, forward: bool, straight_band: float) -> Indicated:

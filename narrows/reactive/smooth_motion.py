@@ -98,7 +98,7 @@ class Smooth:
         if abs(way) <= abs(rate) * dt and rate * way > 0.0:
             exact = way / dt
             rate = min(max(exact, self.rate - step), self.rate + step)
-        value = self.value + rate * dt
+        value = target if abs(way - rate * dt) < 1e-12 else self.value + rate * dt
         if value * self.value < 0.0 and target * self.value >= 0.0:
             return Smooth()
         return Smooth(value, rate)
@@ -143,6 +143,14 @@ class SmoothMotion:
             self._v.towards(v, limits.acceleration, limits.jerk, dt),
             self._omega.towards(omega, limits.yaw_acceleration, limits.yaw_jerk, dt),
         )
+
+    def level_off(self) -> bool:
+        """Stop accelerating at once, whatever the jerk; return whether anything did."""
+        rising = self._v.value * self._v.rate > 0.0
+        turning = self._omega.value * self._omega.rate > 0.0
+        self._v = Smooth(self._v.value, 0.0) if rising else self._v
+        self._omega = Smooth(self._omega.value, 0.0) if turning else self._omega
+        return rising or turning
 
     def take(self, v: Smooth, omega: Smooth) -> tuple[float, float]:
         """Take a proposed step and return its command."""

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, field
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -28,6 +29,21 @@ def xeno():
 @pytest.fixture(scope="session")
 def xeno_regions(xeno):
     return SafetyRegions.compute(xeno, COARSE)
+
+
+@pytest.fixture(scope="session")
+def simulated(xeno, xeno_regions):
+    """What tests of drives share: `drive`, `outlines`, `box`, `gap`, `assistant(options, ...)`."""
+
+    def assistant(options=None, **parts):
+        return Assistant(xeno, xeno_regions, options, **parts)
+
+    def drive_xeno(driver, points, *, assistant, **rest):
+        return drive(xeno, assistant, points, driver, **rest)
+
+    return SimpleNamespace(
+        assistant=assistant, drive=drive_xeno, outlines=outlines, box=box, gap=gap
+    )
 
 
 def outlines(*polygons, step=0.03):
@@ -83,20 +99,19 @@ def drive(vehicle, assistant, points, driver, *, seconds, start=(0.0, 0.0, 0.0),
     for k in range(round(seconds / 0.02)):
         time = 0.02 * k
         pose = plant.pose
-        near = transform(invert(pose), points) if len(points) else np.zeros((0, 2))
-        near = near[np.hypot(near[:, 0], near[:, 1]) < 3.0]
+        seen = points[np.hypot(points[:, 0] - pose[0], points[:, 1] - pose[1]) < 2.5]
+        near = transform(invert(pose), seen) if len(seen) else np.zeros((0, 2))
         rows = np.column_stack([near, np.full(len(near), 0.12)])
         left, right = plant.wheel_speeds
         motion = [0.5 * (left + right), (right - left) / vehicle.track]
         extra = {"door": settings["door"](pose)} if "door" in settings else {}
         asked = driver(time, pose)
-        step = assistant.step if isinstance(assistant, Assistant) else None
-        taken = step(time, asked, motion, percept(time, rows), **extra)
+        taken = assistant.step(time, asked, motion, percept(time, rows), **extra)
         for name, value in (("asked", asked), ("taken", taken), ("poses", pose)):
             getattr(result, name).append(value)
         result.signals.append(dict(assistant.signals))
         plant.command(*taken)
         for _ in range(2):
             plant.step(0.01)
-            result.gap = min(result.gap, gap(vehicle, plant.pose, points))
+            result.gap = min(result.gap, gap(vehicle, plant.pose, seen))
     return result
