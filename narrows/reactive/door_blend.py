@@ -97,6 +97,7 @@ class DoorBlend:
 
     Attributes:
         weight: Share of the path's steering now, 0 to `share`.
+        door: The door remembered, in the body frame now, or None.
     """
 
     def __init__(self, source: PathSource, options: DoorBlendOptions | None = None) -> None:
@@ -108,7 +109,7 @@ class DoorBlend:
         """
         self._source = source
         self._options = DoorBlendOptions() if options is None else options
-        self._door: DoorAhead | None = None
+        self.door: DoorAhead | None = None
         self._unseen = 0.0  # m driven since the door was sensed
         self._path = np.zeros((0, 3))  # in the door's frame
         self._progress = 0
@@ -146,24 +147,24 @@ class DoorBlend:
 
     def _carry(self, moved: Array, door: DoorAhead | None) -> None:
         """Bring the remembered door into the body frame now, corrected by what is sensed."""
-        if self._door is not None:
-            pose = compose(invert(moved), self._door.pose)
+        if self.door is not None:
+            pose = compose(invert(moved), self.door.pose)
             self._unseen += abs(float(moved[0]))
             x, y, heading = (float(value) for value in pose)
-            self._door = DoorAhead(x, y, heading, self._door.width)
+            self.door = DoorAhead(x, y, heading, self.door.width)
         if door is None:
             if self._unseen > self._options.lost:
                 self._forget()
             return
-        if self._door is None or math.hypot(door.x - self._door.x, door.y - self._door.y) > 0.5:
-            if self._door is None or self.weight == 0.0:
+        if self.door is None or math.hypot(door.x - self.door.x, door.y - self.door.y) > 0.5:
+            if self.door is None or self.weight == 0.0:
                 self._forget()
-                self._door = door
+                self.door = door
             return
-        share, known = self._options.trust, self._door
+        share, known = self._options.trust, self.door
         self._unseen = 0.0
         turn = float(wrap(door.heading - known.heading))
-        self._door = DoorAhead(
+        self.door = DoorAhead(
             known.x + share * (door.x - known.x),
             known.y + share * (door.y - known.y),
             known.heading + share * turn,
@@ -171,11 +172,11 @@ class DoorBlend:
         )
 
     def _forget(self) -> None:
-        self._door, self._path, self._progress, self._unseen = None, np.zeros((0, 3)), 0, 0.0
+        self.door, self._path, self._progress, self._unseen = None, np.zeros((0, 3)), 0, 0.0
 
     def _wish(self, time: float, asked: tuple[float, float]) -> float | None:
         """Return the curvature [1/m] towards the path; None: the user drives alone."""
-        options, door = self._options, self._door
+        options, door = self._options, self.door
         if door is None or asked[0] <= 0.0:
             return None
         curvature = asked[1] / asked[0]
