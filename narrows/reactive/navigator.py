@@ -28,6 +28,9 @@ from .zone_shape import ZoneShape
 Velocities = Callable[[float, Array], Array]
 """Velocities over the floor (N, 2) [m/s] of points of the world (N, 3) at a time [s]."""
 
+_FACING = math.radians(75.0)  # the target is before the chair
+_SAME_SIDE = 2  # retreats after which the other side is tried
+
 
 @dataclass(frozen=True)
 class NavigatorOptions:
@@ -44,6 +47,8 @@ class NavigatorOptions:
         pivot: Rate of turning on the spot where the way of the zone is barred [rad/s].
         tie: Turn by the zone that is added to the side chosen, as a share of what the whole
             intrusion could ask for; breaks the tie before an obstacle straight ahead.
+        docking: Nearer than this to the target, and facing it, the goal controller drives whatever
+            intrudes, as long as the guard lets it [m].
         guard: What the guard reckons with.
         patience: Time in which the chair must move by `stir`, or it backs off; and once more, or it
             is stuck [s].
@@ -62,19 +67,20 @@ class NavigatorOptions:
     creep: float = 0.12
     pivot: float = 0.5
     tie: float = 0.5
+    docking: float = 0.9
     guard: GuardOptions = field(default_factory=GuardOptions)
     patience: float = 5.0
     stir: float = 0.1
     backing: float = 0.6
-    retreats: int = 4
-    endurance: float = 60.0
+    retreats: int = 6
+    endurance: float = 90.0
 
     def __post_init__(self) -> None:
         """Check the numbers."""
         for name in ("arrival", "speed", "patience", "stir", "endurance"):
             if not 0.0 < getattr(self, name) < math.inf:
                 raise ShapeError(f"{name} must be a positive number, got {getattr(self, name)}")
-        for name in ("creep", "tie"):
+        for name in ("creep", "tie", "docking", "pivot", "backing"):
             if not 0.0 <= getattr(self, name) < math.inf:
                 raise ShapeError(f"{name} must be a number >= 0, got {getattr(self, name)}")
 
@@ -124,7 +130,7 @@ class Navigator:
         self._velocities = velocities
         self._finished = False
         self._command = np.zeros(2)
-        self._side, self._side_until = 1.0, -math.inf
+        self._side, self._side_until, self._dock_after = 1.0, -math.inf, -math.inf
         self._first = self._best = math.nan
         self._best_at = self._stirred_at = math.nan
         self._stirred, self._radius = np.zeros(3), vehicle.radius
@@ -171,12 +177,22 @@ class Navigator:
             self._command = self.guard.stop(time)
             return self._command.copy()
         before = self.switch.active
-        active = self.switch.update(self._deformation.intrusion)
+        docks = self._docks(time, bearing)
+        active = self.switch.update(0.0 if docks else self._deformation.intrusion)
         if active is Active.ZONE and before is Active.GOAL and time > self._side_until:
             self._side = self._chosen_side(bearing)
         wanted, otherwise = self._wanted(pose, v, active)
         self._command = self.guard.limit(time, pose, percept, wanted, otherwise=otherwise)
         return self._command.copy()
+
+    def _docks(self, time: float, bearing: float) -> bool:
+        """Return whether the target is so near that what stands beside it does not matter."""
+        chosen = self.options
+        if self._distance > chosen.docking or abs(bearing) > _FACING or self._retreat is not None:
+            return False
+        if self.guard.share == 0.0:
+            self._dock_after = time + 0.5 * chosen.patience
+        return time >= self._dock_after
 
     def _wanted(self, pose: Array, v: float, active: Active) -> tuple[Array, tuple[Array, ...]]:
         """Return the command wanted, and others for where no share of it passes."""
@@ -254,7 +270,9 @@ class Navigator:
                 self._stirred, self._stirred_at = pose, time
         elif waited and self._retreats < chosen.retreats and self._limits.reverse_speed > 0.0:
             self._retreats += 1
-            self._retreat, self._side = pose, -self._side
+            self._retreat = pose
+            if self._retreats % _SAME_SIDE == 0:
+                self._side = -self._side
             self._stirred, self._stirred_at = pose, time
         elif waited:
             why = self.guard.reason or "obstacles all about"

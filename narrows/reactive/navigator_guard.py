@@ -120,6 +120,7 @@ class Guard:
         self._sent: deque[tuple[float, float, float]] = deque()  # taking effect at, v, omega
         self._twist, self._target = np.zeros(2), np.zeros(2)
         self._time = -math.inf
+        self._watched, self._watched_at = 0.0, -math.inf  # s of seeing; when it was seen last
         self._index = np.full((_RING, _RING, 2), np.iinfo(np.int64).min, dtype=np.int64)
         self._since = np.zeros((_RING, _RING))
         self._seen = np.full((_RING, _RING), -math.inf)
@@ -262,10 +263,13 @@ class Guard:
         chosen = self.options
         points, unknown = percept.points, percept.unknown
         world = transform(np.asarray(pose, dtype=float), points[:, :2])
+        # Time in which nothing is seen makes nobody furniture, and furniture nobody.
+        self._watched += min(time - self._watched_at, 2.0 * chosen.period)
+        self._watched_at, now = time, self._watched
         since = watch_cells(
-            np.ascontiguousarray(world), time, _CELL, _GONE, self._index, self._since, self._seen
+            np.ascontiguousarray(world), now, _CELL, _GONE, self._index, self._since, self._seen
         )
-        walking = np.where(time - since < chosen.trusted_after, chosen.walking, 0.0)
+        walking = np.where(now - since < chosen.trusted_after, chosen.walking, 0.0)
         margins = np.full(len(points), chosen.margin + percept.spread)
         if self._known is not None and len(points):
             planned = self._known(np.column_stack([world, points[:, 2]]))

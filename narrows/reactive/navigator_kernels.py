@@ -199,17 +199,33 @@ def watch_cells(
         seen: When it was last seen occupied [s], shape (R, R).
 
     Returns:
-        Shape (N,), [s].
+        Shape (N,), [s]; of a place and the eight about it, the one occupied for longest: points on
+        the edge of a cell are seen in one and in the other.
     """
     size = len(since)
-    found = np.empty(len(places))
+    cells = np.empty((len(places), 2), dtype=np.int64)
     for n in range(len(places)):
         i, j = math.floor(places[n, 0] / cell), math.floor(places[n, 1] / cell)
+        cells[n, 0], cells[n, 1] = i, j
         row, column = i % size, j % size
         stranger = index[row, column, 0] != i or index[row, column, 1] != j
         if stranger or seen[row, column] < now - gone:
             index[row, column, 0], index[row, column, 1] = i, j
             since[row, column] = now
         seen[row, column] = now
-        found[n] = since[row, column]
+    found = np.empty(len(places))
+    for n in range(len(places)):
+        if n > 0 and cells[n, 0] == cells[n - 1, 0] and cells[n, 1] == cells[n - 1, 1]:
+            found[n] = found[n - 1]
+            continue
+        found[n] = now
+        for i in range(cells[n, 0] - 1, cells[n, 0] + 2):
+            for j in range(cells[n, 1] - 1, cells[n, 1] + 2):
+                row, column = i % size, j % size
+                if (
+                    seen[row, column] >= now - gone
+                    and index[row, column, 0] == i
+                    and index[row, column, 1] == j
+                ):
+                    found[n] = min(found[n], since[row, column])
     return found

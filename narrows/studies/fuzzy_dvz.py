@@ -1,0 +1,154 @@
+"""The experiments of [FuzzyDVZ] again, what the paper did not test, and its printed equations."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+
+from .case import CaseFunction
+from .fuzzy_dvz_figures import draw
+from .fuzzy_dvz_printed import VARIANTS
+from .fuzzy_dvz_report import (
+    clutter_text,
+    dropout_text,
+    odd_text,
+    paper_text,
+    people_text,
+    printed_text,
+)
+from .fuzzy_dvz_runs import (
+    BLIND,
+    GUARDED,
+    clutter_case,
+    dropout_case,
+    odd_case,
+    paper_case,
+    people_case,
+)
+from .fuzzy_dvz_scenes import KINDS, PAPER_SCENES
+from .sweep import sweep
+from .table import Table
+
+SUMMARY = "the navigator of [FuzzyDVZ]: its runs, random worlds, people, its printed equations"
+
+ODD = (
+    "U-trap 1.0",
+    "U-trap 2.0",
+    "U-trap 3.0",
+    "glass table, seen",
+    "glass table, its top not",
+    "glass table, not at all",
+)
+
+
+def run(
+    out: Path,
+    *,
+    jobs: int,
+    resume: bool,
+    seed: int,
+    worlds: int = 500,
+    peopled: int = 200,
+    compared: int = 60,
+    told: int = 30,
+    silent: int = 40,
+) -> str:
+    """Run the study into a folder and return its report.
+
+    Writes `paper.csv`, `clutter.csv`, `people.csv`, `odd.csv`, `dropouts.csv` and a figure of each
+    of the paper's runs and of some random worlds.
+
+    Args:
+        out: Folder.
+        jobs: Worker processes.
+        resume: Keep the cases done before.
+        seed: Of the random worlds.
+        worlds: Random cluttered worlds.
+        peopled: Random worlds with people, of all `KINDS` in turn.
+        compared: Of the cluttered worlds, for the printed equations.
+        told: Of the peopled worlds, again with velocities known.
+        silent: Of the cluttered worlds, again with senses that go silent.
+    """
+    table = partial(_table, out, jobs=jobs, resume=resume, seed=seed)
+    paper = table(
+        "paper",
+        paper_case,
+        [
+            {"scene": scene, "variant": variant}
+            for scene in PAPER_SCENES
+            for variant in (GUARDED, BLIND, *VARIANTS)
+        ],
+        ("scene", "variant"),
+    )
+    clutter = table(
+        "clutter",
+        clutter_case,
+        [
+            {"world": k, "variant": variant, "base": seed}
+            for variant in (GUARDED, *VARIANTS)
+            for k in range(worlds if variant == GUARDED else min(compared, worlds))
+        ],
+        ("world", "variant"),
+    )
+    people = table(
+        "people",
+        people_case,
+        [
+            {"world": k, "kind": KINDS[k % len(KINDS)], "knows": knows, "base": seed}
+            for knows, count in ((False, peopled), (True, min(told, peopled)))
+            for k in range(count)
+        ],
+        ("world", "knows"),
+    )
+    odd = table("odd", odd_case, [{"case": name} for name in ODD], ("case",))
+    dropouts = table(
+        "dropouts",
+        dropout_case,
+        [{"world": k, "base": seed} for k in range(silent)],
+        ("world",),
+    )
+    draw(out, seed)
+    parts = [
+        "# Fuzzy rules and a deformable zone, again",
+        paper_text(paper.done),
+        clutter_text(clutter.done),
+        people_text(people.done),
+        odd_text(odd.done),
+        dropout_text(dropouts.done),
+        printed_text(clutter.done),
+    ]
+    failed = [
+        str(row["reason"])
+        for one in (paper, clutter, people, odd, dropouts)
+        for row in one.failed.rows
+    ]
+    if failed:
+        parts.append("## Failed cases\n\n" + "\n".join(failed))
+    return "\n\n".join(parts) + "\n"
+
+
+def _table(
+    out: Path,
+    name: str,
+    function: CaseFunction,
+    cases: Sequence[dict[str, object]],
+    keys: tuple[str, ...],
+    *,
+    jobs: int,
+    resume: bool,
+    seed: int,
+) -> Table:
+    """Return the table of a sweep, written as CSV too."""
+    found = sweep(
+        cases,
+        function,
+        table=out / f"{name}.sqlite",
+        keys=keys,
+        jobs=jobs,
+        resume=resume,
+        seed=seed,
+        version="1",
+    )
+    found.write_csv(out / f"{name}.csv", with_runs=False)
+    return found
