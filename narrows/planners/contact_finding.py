@@ -33,17 +33,17 @@ class Watching(NamedTuple):
         close_stride: Between places there [m].
     """
 
-    near: float = 0.10
-    stride: float = 0.025
-    close: float = 0.015
-    close_stride: float = 0.009
+    near: float = 0.08
+    stride: float = 0.04
+    close: float = 0.010
+    close_stride: float = 0.014
 
 
 WATCH = Watching()
 
 _OFFSETS = np.array([-4.0, -3.0, -2.0, -1.0, 1.0, 2.0, 3.0, 4.0]) / 3.5
-_PARABOLAS = 4
-_WITHIN = 0.03  # m beyond what is required: least distances that are narrowed down
+_PARABOLAS = 2
+_WITHIN = 0.015  # m beyond what is required: least distances that are narrowed down
 
 Motion = Callable[[Array], Array]
 

@@ -14,11 +14,14 @@ from narrows.scene import Scene
 
 from .body_program import Weights
 from .finish import finished_plan
-from .guess import fitted, forward_guesses
+from .fitting import fitted
+from .guess import doors_between, forward_guesses
 from .refinement import Refined, Refinement, RefinementOptions
 
-_PIECE = 0.33  # m: pieces a third of a chair long leave little to gain by shorter ones
-_SEGMENTS = {1: (8, 14), 2: (8,)}  # by number of sections, else 6: few programs to compile
+_PIECE = 0.45  # m: a cubic piece about half a chair long bends as sharply as a chair can
+_SEGMENTS = {1: (6, 10), 2: (8,)}  # by number of sections, else 6: few programs to compile
+_FINER = {6: 10, 8: 12, 10: 14}  # where the margin takes more
+_TIGHT = 3.0  # times the margin on either side of the chair in a door: less is tight
 _NOTHING = 2e-4  # m: clearance missing from what is asked for, which is a little more
 _TOO_SHARP = 20.0  # 1/m: a radius of 5 cm is no curve to drive but a fold
 _ROWS = {1: 256}  # rows of clearance by number of sections, else 128
@@ -65,6 +68,13 @@ def segments_for(path: Path) -> int:
     return next((size for size in sizes if size >= wanted), sizes[-1])
 
 
+def through_tight_door(scene: Scene) -> bool:
+    """Return whether a known door on the way leaves little more than the margin."""
+    doors = [door for door, _ in doors_between(scene)]
+    spare = min((0.5 * (door.width - scene.vehicle.width) for door in doors), default=math.inf)
+    return spare < _TIGHT * scene.margin
+
+
 def refine(scene: Scene, name: str, guess: Path, options: ManoeuvreOptions) -> Candidate:
     """Return the smooth manoeuvre reached from a rough path.
 
@@ -78,9 +88,14 @@ def refine(scene: Scene, name: str, guess: Path, options: ManoeuvreOptions) -> C
         ShapeError: If the guess turns on the spot.
     """
     segments = segments_for(guess)
+    is_tight = through_tight_door(scene)
+    if is_tight:
+        segments = _FINER[segments]
     chosen = RefinementOptions(
         weights=options.weights,
         segments=segments,
+        finer=_FINER.get(segments, segments),
+        is_tight=is_tight,
         rows=_ROWS.get(len(guess.sections), 128),
     )
     start = fitted(guess, scene, segments)

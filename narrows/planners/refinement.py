@@ -30,6 +30,7 @@ from narrows.path import Path
 from narrows.scene import Scene
 
 from .body_program import Weights
+from .fitting import fitted
 from .manoeuvre_shape import Manoeuvre
 from .refinement_point import Point, RefinementModel
 from .trust_step import Step, convex, trust_step
@@ -51,18 +52,23 @@ class RefinementOptions:
     Attributes:
         weights: What smoothness costs, and what a metre of missing clearance does.
         segments: Cubic pieces of each section.
+        finer: Pieces of each section where the margin is not kept with so many.
         rows: Most rows of clearance of each section.
+        is_tight: Whether many steps are to be expected: contacts are then looked for in compiled
+            loops from the start.
         iterations: Largest number of steps of each descent.
         radius: First bound on a step [m, rad].
         enough: Stop when a step promises less than this share of the cost.
     """
 
     weights: Weights = field(default_factory=Weights)
-    segments: int = 6
+    segments: int = 10
+    finer: int = 14
     rows: int = 256
+    is_tight: bool = False
     iterations: int = 45
     radius: float = 0.15
-    enough: float = 1e-3
+    enough: float = 2e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,45 +104,64 @@ class Refinement:
         ways = np.array(directions, dtype=np.int64)
         if not len(ways) or (np.abs(ways) != 1).any():
             raise ShapeError(f"directions must be +1 or -1, got {directions!r}")
-        self.model = RefinementModel(scene, ways, self.options.segments, self.options.rows)
-        self.weights = self.options.weights
-        self.tried = 0
         self.allowed = min(scene.vehicle.limits.curvature, _SHARPEST)
-        self.model.limit = _CURVATURE_SHARE * self.allowed
+        self.ways, self.weights = ways, self.options.weights
+        self.tried = self.evaluations = 0
+        self.model = self._model_of(self.options.segments, is_tight=self.options.is_tight)
 
     def run(self, guess: Manoeuvre) -> Refined:
         """Return the smooth manoeuvre reached from a guess.
 
-        Where that lacks some of the margin, the price of clearance is raised and the descent goes
-        on: a high price from the start makes the way there long.
+        Where that lacks some of the margin, the curve is cut into more pieces, the price of
+        clearance raised, and the descent goes on: a high price from the start makes the way there
+        long, and most curves need no more pieces.
         """
-        model = self.model
-        turns = np.rint((guess.nodes[-1, 2] - self.scene.goal.pose[2]) / (2.0 * np.pi))
-        model.goal = self.scene.goal.pose + np.array([0.0, 0.0, 2.0 * np.pi * turns])
-        point = self._seen(model.shape.unknowns(guess), 0.0)
+        point = self._started(guess)
         if point.least < _CLEAR:
-            point = self._seen(point.x, min(_CLEAR - point.least, model.bodies.thinnest))
+            thinner = min(_CLEAR - point.least, self.model.bodies.thinnest)
+            point = self._seen(point.x, thinner)
         point = self._descended(point)
         if _UNSEEN < point.x[-2] < self.scene.margin + _WITHIN_REACH:
+            path, self.evaluations = self.model.shape.path(point.x), self.model.evaluations
+            self.model = self._model_of(self.options.finer, is_tight=True)
             self.weights = replace(self.weights, price=_DEARER * self.weights.price)
-            point = self._descended(self._seen(point.x, 0.0))
+            point = self._started(fitted(path, self.scene, self.options.finer))
+            point = self._descended(point)
+        return self._ended(self._within_curvature(point))
+
+    def _model_of(self, segments: int, *, is_tight: bool) -> RefinementModel:
+        model = RefinementModel(self.scene, self.ways, segments, self.options.rows)
+        model.limit = _CURVATURE_SHARE * self.allowed
+        if is_tight:
+            model.use_compiled()
+        return model
+
+    def _started(self, guess: Manoeuvre) -> Point:
+        turns = np.rint((guess.nodes[-1, 2] - self.scene.goal.pose[2]) / (2.0 * np.pi))
+        self.model.goal = self.scene.goal.pose + np.array([0.0, 0.0, 2.0 * np.pi * turns])
+        return self._seen(self.model.shape.unknowns(guess), 0.0)
+
+    def _within_curvature(self, point: Point) -> Point:
+        """Return a point whose curvature is within the limit between the samples too."""
         for _ in range(2):
-            beyond = model.shape.path(point.x).max_curvature - self.allowed
+            beyond = self.model.shape.path(point.x).max_curvature - self.allowed
             if not 0.0 < beyond < self.allowed:
                 break
-            model.limit -= 1.5 * beyond  # what lies between the samples of the curvature
+            self.model.limit -= 1.5 * beyond
             point = self._descended(self._seen(point.x, 0.0))
+        return point
+
+    def _ended(self, point: Point) -> Refined:
         slack, excess = (float(missing) for missing in point.x[-2:])
         weights = self.options.weights
+        missing = _DEARER * weights.price * max(0.0, slack - _UNSEEN)
         return Refined(
-            model.shape.path(point.x),
-            point.smooth
-            + _DEARER * weights.price * max(0.0, slack - _UNSEEN)
-            + weights.bend_price * excess,
+            self.model.shape.path(point.x),
+            point.smooth + missing + weights.bend_price * excess,
             slack,
             excess,
             self.tried,
-            model.evaluations,
+            self.evaluations + self.model.evaluations,
         )
 
     def _seen(self, x: np.ndarray, thinner: float) -> Point:

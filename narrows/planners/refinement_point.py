@@ -24,7 +24,7 @@ from .thin_body import ThinBodies
 _SAMPLES = 97  # coarse samples along a section
 _BENDS = 20  # samples of the curvature on each cubic piece
 _FAR_BEND = 1.0  # 1/m: curvature this far below the limit is not watched in a step
-_MANY = 16  # evaluations from which compiling, or reading what was compiled, is worth it
+_MANY = 36  # evaluations from which compiling, or reading what was compiled, is worth it
 _EXTRA = 3e-4  # m: required beyond the margin, for what lies between samples
 
 
@@ -154,13 +154,17 @@ class RefinementModel:
         last = 3 * self.layout.sections - 3
         self._goal_jacobian[:, last : last + 2] = self._goal_axes
 
+    def use_compiled(self) -> None:
+        """Look for contacts in compiled loops from now on."""
+        from .contact_compiled import compiled_contacts  # numba takes longer than an easy plan
+
+        self._finder = compiled_contacts
+
     def evaluate(self, x: Array, thinner: float, weights: Weights) -> Point:
         """Return the point with fresh contacts; the slacks become what is missing."""
         self.evaluations += 1
         if self.evaluations == _MANY:
-            from .contact_compiled import compiled_contacts
-
-            self._finder = compiled_contacts
+            self.use_compiled()
         x = x.copy()
         x[-2:] = 0.0
         given = [self.scene.goal.position_tolerance], self.directions, weights.values

@@ -9,7 +9,8 @@ from pytest_benchmark.fixture import BenchmarkFixture
 from narrows.nlp import Solver
 from narrows.planners.body_program import Layout, ManoeuvreProgram, Weights
 from narrows.planners.clearance_rows import rows_along
-from narrows.planners.guess import fitted, forward_guesses
+from narrows.planners.fitting import fitted
+from narrows.planners.guess import forward_guesses
 from narrows.planners.manoeuvre import ManoeuvrePlanner
 from narrows.planners.refinement import Refinement, RefinementOptions
 from narrows.planners.spline import Spline

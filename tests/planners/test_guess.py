@@ -8,11 +8,11 @@ import pytest
 from narrows.bezier_section import BezierSection
 from narrows.errors import ShapeError
 from narrows.path import Path
+from narrows.planners.fitting import fitted
 from narrows.planners.guess import (
     curve_through,
     direction_of,
     doors_between,
-    fitted,
     forward_guesses,
 )
 from narrows.planners.spline import Spline

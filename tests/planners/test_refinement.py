@@ -18,7 +18,8 @@ from narrows.nlp import Solver, SolverOptions
 from narrows.path import Path
 from narrows.planners.body_program import Layout, ManoeuvreProgram, Weights
 from narrows.planners.clearance_rows import rows_along
-from narrows.planners.guess import curve_through, fitted, forward_guesses
+from narrows.planners.fitting import fitted
+from narrows.planners.guess import curve_through, forward_guesses
 from narrows.planners.refinement import Refined, Refinement, RefinementOptions
 from narrows.scene import Goal, Scene, load_scene
 from narrows.se2 import compose, exponential, wrap
