@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -147,10 +147,31 @@ def drive(
         regions: The chair's safety regions.
         rng: Source of everything random.
     """
-    of_driver, of_sensors, of_plant = rng.spawn(3)
+    of_driver, *of_chair = rng.spawn(3)
+    stick = make_stick(conditions.device, MotionLimits.of(scene.vehicle))
+    driver = seat_driver(name, scene, routes, stick, of_driver, device=conditions.device)
+    return drive_with(scene, driver, conditions, regions, of_chair), driver
+
+
+def drive_with(
+    scene: Scene,
+    driver: Driver,
+    conditions: Conditions,
+    regions: SafetyRegions,
+    streams: Sequence[np.random.Generator],
+) -> Record:
+    """Return the record of a drive with anybody at the stick.
+
+    Args:
+        scene: Chair, start, world.
+        driver: Who drives.
+        conditions: What the drive is like.
+        regions: The chair's safety regions.
+        streams: Sources of what is random in the sensors and in the chair.
+    """
+    of_sensors, of_plant = streams
     limits = MotionLimits.of(scene.vehicle)
     stick = make_stick(conditions.device, limits)
-    driver = seat_driver(name, scene, routes, stick, of_driver, device=conditions.device)
     seat, doors = Seat(), None
     mover: Assistant | SmoothMotion = SmoothMotion(limits, period=PERIOD)
     if conditions.assisted:
@@ -169,7 +190,7 @@ def drive(
         time_limit=conditions.time_limit,
     )
     controller = AssistedDriving(driver, stick, seat, mover, doors=doors)
-    return simulate(scene, controller, senses=seat, options=options, rng=of_plant), driver
+    return simulate(scene, controller, senses=seat, options=options, rng=of_plant)
 
 
 def scanners(scene: Scene, faults: Faults, rng: np.random.Generator) -> ChairSenses:
