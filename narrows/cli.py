@@ -59,6 +59,7 @@ def narrows() -> None:
     epilog=_examples(
         "narrows plan examples/scenes/door.yaml -o door.csv --picture door.png",
         "narrows plan examples/scenes/door.yaml --json",
+        "narrows plan examples/scenes/door.yaml --sensed --picture sensed.png",
     ),
 )
 @_SCENE
@@ -66,15 +67,29 @@ def narrows() -> None:
     "-o", "--output", type=click.Path(), metavar="FILE", help="Trajectory: .csv or .json."
 )
 @_PLANNER
+@click.option(
+    "--sensed",
+    is_flag=True,
+    help="Plan by what simulated sensors see, looking again on the way; the true world judges.",
+)
 @_PICTURE
 @_JSON
 def plan_command(
-    scene: str, output: str | None, planner: str, picture: str | None, as_json: bool
+    scene: str,
+    output: str | None,
+    planner: str,
+    sensed: bool,
+    picture: str | None,
+    as_json: bool,
 ) -> Outcome:
     """Plan a trajectory that is proven clear, or say why there is none.
 
     FILE of -o is written only if the plan is certified.
     """
+    if sensed:
+        from .commands.plan_sensed import run_plan_sensed
+
+        return run_plan_sensed(scene, planner=planner, output=output, picture=picture)
     from .commands.plan import run_plan
 
     return run_plan(scene, planner=planner, output=output, picture=picture)
