@@ -170,7 +170,7 @@ class Assistant:
         self._deviation = self._detour(asked, phi, norm, limit)
         if self._deviation == 0.0:
             self.state = AssistantState.BRAKING
-            return self._regions.motion(phi, min(limit, wanted)), limit
+            return self._bounded(phi, min(limit, wanted), asked), limit
         if self.state is not AssistantState.OBSTACLE_AVOIDANCE:
             if not self._orientation.is_kept or not self._orientation.is_untouched(*asked):
                 self._orientation.keep(*asked)
@@ -223,9 +223,9 @@ class Assistant:
     def _bounded(self, phi: float, norm: float, asked: tuple[float, float]) -> tuple[float, float]:
         """Return the motion of a direction and a speed norm, no faster than asked for."""
         v, omega = self._regions.motion(phi, norm)
-        scale = 1.0
-        if abs(v) > abs(asked[0]):
-            scale = abs(asked[0]) / abs(v)
+        if v * asked[0] <= 0.0:
+            return 0.0, omega
+        scale = min(1.0, asked[0] / v)
         sideways = abs(v * omega)
         if sideways > self._limits.lateral_acceleration:
             scale = min(scale, math.sqrt(self._limits.lateral_acceleration / sideways))

@@ -40,9 +40,18 @@ class AvoidanceOptions:
     gain: float = 0.03
 
 
+def unwrapped(phi: float, forward: bool) -> float:
+    """Return a direction in the half turn about straight ahead, or about straight back.
+
+    >>> round(math.degrees(unwrapped(math.radians(170.0), forward=False)))
+    -190
+    """
+    return phi if forward or phi <= 0.0 else phi - 2.0 * math.pi
+
+
 def indicated_side(phi: float, forward: bool, straight_band: float) -> Indicated:
     """Return to which side the way of a direction bends; left is a greater phi, both ways."""
-    bend = phi - STRAIGHTS[forward]
+    bend = unwrapped(phi, forward) - STRAIGHTS[forward]
     if abs(bend) <= straight_band:
         return Indicated.STRAIGHT
     return Indicated.LEFT if bend > 0.0 else Indicated.RIGHT
@@ -124,6 +133,7 @@ def _deviations(
     phi: float, forward: bool, sides: tuple[bool, bool], options: AvoidanceOptions
 ) -> list[float]:
     """Return the deviations to try, none first; the way may not bend beyond one wheel standing."""
+    phi = unwrapped(phi, forward)
     count = int(options.widest / options.step + 1e-9)
     found = [0.0]
     for k in range(1, count + 1):

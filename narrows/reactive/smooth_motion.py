@@ -99,7 +99,7 @@ class Smooth:
             exact = way / dt
             rate = min(max(exact, self.rate - step), self.rate + step)
         value = target if abs(way - rate * dt) < 1e-12 else self.value + rate * dt
-        if value * self.value < 0.0 and target * self.value >= 0.0:
+        if value * self.value <= 0.0 and value != 0.0 and target * value <= 0.0:
             return Smooth()
         return Smooth(value, rate)
 

@@ -77,7 +77,7 @@ def test_a_front_contact_is_avoided_to_the_side_indicated():
 
 def test_the_side_indicated_backwards_is_where_the_rear_goes(xeno_regions):
     for v in (0.4, -0.4):
-        for omega in (-0.5, 0.0, 0.5):
+        for omega in (-2.0, -0.5, 0.0, 0.5, 2.0):
             phi, _ = xeno_regions.polar(v, omega)
             expected = np.sign(omega * v)
             side = indicated_side(phi, v > 0.0, 0.02)
