@@ -267,7 +267,14 @@ class Guard:
         self._watched += min(time - self._watched_at, 2.0 * chosen.period)
         self._watched_at, now = time, self._watched
         since = watch_cells(
-            np.ascontiguousarray(world), now, _CELL, _GONE, self._index, self._since, self._seen
+            np.ascontiguousarray(world),
+            now,
+            _CELL,
+            _GONE,
+            chosen.trusted_after,
+            self._index,
+            self._since,
+            self._seen,
         )
         walking = np.where(now - since < chosen.trusted_after, chosen.walking, 0.0)
         margins = np.full(len(points), chosen.margin + percept.spread)

@@ -183,6 +183,7 @@ def watch_cells(
     now: float,
     cell: float,
     gone: float,
+    long: float,
     index: NDArray[np.int64],
     since: Array,
     seen: Array,
@@ -194,6 +195,7 @@ def watch_cells(
         now: Time [s].
         cell: Edge of a cell [m].
         gone: A place not seen occupied for longer is empty [s].
+        long: A place occupied for longer needs no look about it [s].
         index: World index of each cell, shape (R, R, 2).
         since: Since when it is occupied [s], shape (R, R).
         seen: When it was last seen occupied [s], shape (R, R).
@@ -218,7 +220,9 @@ def watch_cells(
         if n > 0 and cells[n, 0] == cells[n - 1, 0] and cells[n, 1] == cells[n - 1, 1]:
             found[n] = found[n - 1]
             continue
-        found[n] = now
+        found[n] = since[cells[n, 0] % size, cells[n, 1] % size]
+        if now - found[n] >= long:
+            continue
         for i in range(cells[n, 0] - 1, cells[n, 0] + 2):
             for j in range(cells[n, 1] - 1, cells[n, 1] + 2):
                 row, column = i % size, j % size

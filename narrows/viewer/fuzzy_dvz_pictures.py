@@ -202,7 +202,7 @@ def _draw_intrusion(axes: Axes, record: Record, thresholds: tuple[float, float])
 
 def _draw_changes(axes: Axes, record: Record) -> None:
     active = record.signals["active"].astype(int)
-    for row, (value, (name, colour, _)) in enumerate(_DRIVERS.items()):
+    for row, (value, (_, colour, _)) in enumerate(_DRIVERS.items()):
         axes.fill_between(
             record.times, row, row + 0.8, where=active == value, color=colour, step="post", lw=0
         )

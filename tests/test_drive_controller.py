@@ -1,0 +1,59 @@
+"""`narrows drive --controller`: the plan is driven by who watches."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from narrows.cli import run
+from narrows.commands.controllers import controller_names, make_controller
+from narrows.errors import InputError
+from narrows.path import Path as DrivenPath
+from narrows.scene import load_scene
+from narrows.simulation.record import read_record
+
+SCENES = Path(__file__).parents[1] / "examples" / "scenes"
+SOMEBODY = str(SCENES / "somebody-in-the-door.yaml")
+
+
+def test_somebody_in_the_door_stops_the_chair_and_a_cleared_door_lets_it_go_on(capsys, tmp_path):
+    file = tmp_path / "drive.csv"
+    code = run(["drive", SOMEBODY, "--controller", "navigator", "--record", str(file), "--json"])
+    found = json.loads(capsys.readouterr().out)
+    assert code == 0
+    assert found["reached"]
+    assert found["collisions"] == 0
+    record = read_record(file)
+    inside = (record.times > 5.0) & (record.times < 8.0)
+    assert np.abs(record.wheel_speeds[inside]).max() < 1e-3  # she stands in the passage
+    assert record.signals["waits"][inside].all()
+    assert record.times[-1] > 15.0
+
+
+def test_without_a_watcher_the_plan_must_foresee_her(capsys):
+    assert run(["drive", SOMEBODY, "--json"]) == 4
+    assert json.loads(capsys.readouterr().out)["reached"] is False
+
+
+def test_people_are_told_how_it_went(capsys):
+    assert run(["drive", SOMEBODY, "--controller", "navigator"]) == 0
+    assert "navigator             arrived" in capsys.readouterr().out
+
+
+def test_an_unknown_controller_is_refused_with_the_known_ones(capsys):
+    assert run(["drive", SOMEBODY, "--controller", "nobody"]) == 2
+    message = capsys.readouterr().err
+    assert "--controller" in message
+    assert "navigator" in message
+
+
+def test_controllers_are_made_by_name():
+    scene = load_scene(SCENES / "door.yaml")
+    path = DrivenPath.from_poses([scene.start, scene.start + [0.5, 0, 0]])
+    assert "navigator" in controller_names()
+    fitted = make_controller("navigator", scene, path, tracker="linearizing")
+    assert not fitted.controller.finished
+    assert fitted.outcome() == "on its way"
+    with pytest.raises(InputError, match="no such controller"):
+        make_controller("nobody", scene, path, tracker="linearizing")
