@@ -8,11 +8,14 @@ from pytest_benchmark.fixture import BenchmarkFixture
 
 from narrows.nlp import Solver
 from narrows.planners.body_program import Layout, ManoeuvreProgram, Weights
-from narrows.planners.clearance_rows import rows_along
+from narrows.planners.clearance_rows import Finder, rows_along
+from narrows.planners.contact_compiled import compiled_contacts
+from narrows.planners.contact_finding import contacts_along
 from narrows.planners.fitting import fitted
 from narrows.planners.guess import forward_guesses
 from narrows.planners.manoeuvre import ManoeuvrePlanner
 from narrows.planners.refinement import Refinement, RefinementOptions
+from narrows.planners.section_motion import SectionMotion
 from narrows.planners.spline import Spline
 from narrows.scene import load_scene
 
@@ -39,17 +42,16 @@ def test_evaluate_cost_and_constraints_with_their_derivatives(benchmark: Benchma
 
 
 @NAMES
-def test_pick_the_contacts_of_a_curve(benchmark: BenchmarkFixture, name: str) -> None:
+@pytest.mark.parametrize("finder", [contacts_along, compiled_contacts], ids=["plain", "compiled"])
+def test_pick_the_contacts_of_a_curve(
+    benchmark: BenchmarkFixture, name: str, finder: Finder
+) -> None:
     scene = load_scene(SCENES / f"{name}.yaml")
     guess = fitted(forward_guesses(scene)[0][1], scene, 10)
-    spline = Spline(10)
-
-    def poses(t: np.ndarray) -> np.ndarray:
-        slope = spline.basis(t, 1) @ guess.controls[0]
-        position = spline.basis(t) @ guess.controls[0]
-        return np.column_stack([position, np.arctan2(slope[:, 1], slope[:, 0])])
-
-    rows, _ = benchmark(rows_along, scene.world, scene.vehicle, poses, 0.02, samples=97)
+    motion = SectionMotion(Spline(10), guess.controls[0], 1)
+    chair = scene.vehicle
+    rows_along(scene.world, chair, motion, 0.02, samples=97, finder=finder)  # compiled by now
+    rows, _ = benchmark(rows_along, scene.world, chair, motion, 0.02, samples=97, finder=finder)
     assert len(rows.gap)
 
 
