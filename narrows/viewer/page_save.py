@@ -68,17 +68,27 @@ class SavePanel:
         self._current = current
         name = current().state.source.stem or "scene"
         self.name = gui.add_text("name", f"{name}-page", hint="Of the file, without its ending")
+        self.name.on_update(lambda _: self._name_typed())
         self.replace = gui.add_checkbox("replace", False, hint="A file that is there already")
         for kind, suffix in _KINDS.items():
             gui.add_button(f"{kind} ({suffix})").on_click(self._pressed(kind))
         self.answer = gui.add_html("")
-        self._say(f"Files go to {folder}", good=True)
+        self._name_typed()
 
     def _pressed(self, kind: str) -> Callable[[Any], None]:
         return lambda _: self.save(kind)
 
     def _say(self, text: str, *, good: bool) -> None:
         self.answer.content = answer(text, good=good)
+
+    def _name_typed(self) -> None:
+        """Say where files of the name that is typed would go, or why there can be none."""
+        try:
+            file = page_file(self._folder, str(self.name.value), "", replace=True)
+        except NarrowsError as error:
+            self._say(str(error), good=False)
+        else:
+            self._say(f"goes to {file.name}.* in {self._folder}", good=True)
 
     def save(self, kind: str) -> None:
         """Save one kind of file and say where, or why not."""

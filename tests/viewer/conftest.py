@@ -54,7 +54,8 @@ class Tab:
                 if seen:
                     return seen
             time.sleep(0.02)
-        raise AssertionError(f"{what} did not come; seen last: {seen}; verdict: {self.verdict}")
+        shown = f"verdict: {self.verdict}; answers: {self.answers}"
+        raise AssertionError(f"{what} did not come; seen last: {seen}; {shown}")
 
     def open(self, url):
         self.driver.get(url)
@@ -95,9 +96,12 @@ class Tab:
     def answer_with(self, *words):
         self.until(lambda: all(word in self.answers for word in words), f"an answer with {words}")
 
-    def click(self, text):
+    def button(self, text):
         path = f"//button[not(@role='tab')][normalize-space()='{text}']"
-        self.until(lambda: self.one(path).click() or True, f"a button {text!r}")
+        return self.until(lambda: self.one(path), f"a button {text!r}")
+
+    def click(self, text):
+        self.until(lambda: self.button(text).click() or True, f"a button {text!r}")
 
     def tab(self, text):
         path = f"//*[@role='tab'][normalize-space()='{text}']"
@@ -108,12 +112,21 @@ class Tab:
         path = f"//label[normalize-space()='{label}']/{near}"
         return self.until(lambda: self.one(path), f"a field {label!r}")
 
+    def fields(self, label):
+        """Return all fields of a label that are seen, from the top."""
+        from selenium.webdriver.common.by import By
+
+        near = "ancestor::*[.//input][1]//input[not(@type='hidden')]"
+        path = f"//label[normalize-space()='{label}']/{near}"
+        found = self.driver.find_elements(By.XPATH, path)
+        return [field for field in found if field.is_displayed()]
+
     def type(self, label, text):
         from selenium.webdriver.common.keys import Keys
 
         field = self.field(label)
         field.send_keys(Keys.CONTROL, "a")
-        field.send_keys(text, Keys.TAB)
+        field.send_keys(text or Keys.DELETE, Keys.TAB)
 
 
 @dataclass
@@ -189,12 +202,23 @@ def tab(driver):
     driver.switch_to.window(driver.window_handles[0])
 
 
-@pytest.fixture(scope="module")
-def served(tmp_path_factory):
-    """Return the default page, served from a folder of its own."""
+def kept(folder):
+    """Serve a page while a test uses it, and see that it ended well."""
     pytest.importorskip("viser", reason="viser is not installed (extra view)")
-    served = serve(tmp_path_factory.mktemp("page"))
+    served = serve(folder)
     yield served
     assert end(served) == 0
     with served.process.stdout as told:
         assert "Traceback" not in told.read()
+
+
+@pytest.fixture(scope="module")
+def served(tmp_path_factory):
+    """Return the default page, served from a folder of its own for all tests of a file."""
+    yield from kept(tmp_path_factory.mktemp("page"))
+
+
+@pytest.fixture
+def just_served(tmp_path):
+    """Return the default page, just about to be there."""
+    yield from kept(tmp_path)

@@ -1,0 +1,40 @@
+"""How long one waits for the page: from the command to the first view, from the click to the plan.
+
+The figures are printed; what is asserted holds on a loaded machine without a graphics card too.
+"""
+
+import os
+import time
+
+import pytest
+
+pytestmark = pytest.mark.slow
+
+CLICK = """
+const done = arguments[arguments.length - 1];
+const words = () => document.querySelector('.narrows-verdict').innerText;
+const button = [...document.querySelectorAll('button')].find(b => b.innerText.trim() === 'Plan');
+const begun = performance.now();
+let asked = false;
+const seen = () => { asked ||= words().includes('…'); if (asked && words().includes('mm clear')) {
+    observer.disconnect(); done(performance.now() - begun); } };
+const observer = new MutationObserver(seen);
+observer.observe(document.body, {subtree: true, childList: true, characterData: true});
+button.click();
+"""
+
+
+def test_the_first_view_and_the_plan_come_soon(tab, just_served, capsys):
+    listening = time.monotonic() - just_served.begun
+    tab.driver.get(just_served.url)
+    tab.until(lambda: tab.verdict and tab.all("canvas"), "the page")
+    first = time.monotonic() - just_served.begun
+    clicks = [1e-3 * tab.driver.execute_async_script(CLICK) for _ in range(5)]
+    with capsys.disabled():
+        print(
+            f"\nfirst view {first:.1f} s after the command (the server listens after "
+            f"{listening:.1f} s); plan {min(clicks):.2f} s after the click at best, "
+            f"{sorted(clicks)[2]:.2f} s in the middle of 5; load {os.getloadavg()[0]:.1f}"
+        )
+    assert first < 20.0
+    assert min(clicks) < 3.0
