@@ -58,9 +58,9 @@ RUNGS: dict[str, Callable[[], Planner]] = {
 def plan(scene: Scene, *, planner: str = "auto", time_budget: float = TIME_BUDGET) -> Plan:
     """Return a certified plan through a scene, the proof that there is none, or what was tried.
 
-    With "auto": the smooth optimum from curves through known doors and straight on; where they do
-    not keep the margin, the proof that no motion passes; where it fails, a search for other
-    manoeuvres, each made smooth; the best certified one. The same scene gives the same plan, but
+    With "auto": the smooth optimum from curves through known doors and straight on; where they lack
+    more than a millimetre of the margin, the proof that no motion passes; where it fails, a search
+    for other manoeuvres, each made smooth; the best certified one. The same scene gives the same plan, but
     for time budgets that end on a slow machine.
 
     Args:
@@ -100,7 +100,7 @@ class _Ladder:
         """Return the outcome of the first rung that settles it."""
         first = self._refined(forward_guesses(self.scene))
         best = plan_of(self.scene, first, self.begun)
-        if best.status is PlanStatus.CERTIFIED and first[0].is_good:
+        if best.status is PlanStatus.CERTIFIED and first[0].is_nearly_good:
             return best
         verdict = None
         if best.status is not PlanStatus.CERTIFIED:

@@ -23,6 +23,7 @@ _SEGMENTS = {1: (6, 10), 2: (8,)}  # by number of sections, else 6: few programs
 _FINER = {6: 10, 8: 12, 10: 14}  # where the margin takes more
 _TIGHT = 3.0  # times the margin on either side of the chair in a door: less is tight
 _NOTHING = 2e-4  # m: clearance missing from what is asked for, which is a little more
+_LITTLE = 1e-3  # m: no other manoeuvre is looked for to win this much
 _TOO_SHARP = 20.0  # 1/m: a radius of 5 cm is no curve to drive but a fold
 _ROWS = {1: 256}  # rows of clearance by number of sections, else 128
 
@@ -58,6 +59,11 @@ class Candidate:
     def is_good(self) -> bool:
         """Whether margin and curvature limit are kept, as far as the optimiser sees."""
         return self.refined.slack < _NOTHING and self.refined.excess < 1e-3
+
+    @property
+    def is_nearly_good(self) -> bool:
+        """Whether at most a millimetre of the margin is missing, the curvature limit kept."""
+        return self.refined.slack < _LITTLE and self.refined.excess < 1e-3
 
 
 def segments_for(path: Path) -> int:

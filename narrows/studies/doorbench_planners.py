@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from ..interfaces import Plan
 from ..path import Path
@@ -11,7 +11,7 @@ from ..planners.guess import forward_guesses
 from ..planners.ladder import plan
 from ..planners.search import SearchPlanner
 from ..scene import Scene
-from .obca import obca
+from .obca import TOUCH, obca
 from .ompl_baseline import is_installed, ompl_path
 
 
@@ -53,6 +53,11 @@ def _ladder(scene: Scene) -> Claim:
     return _claim(plan(scene))
 
 
+def _touching(scene: Scene) -> Claim:
+    """Plan with no more clearance than OBCA is asked for: the same task, the same freedom."""
+    return _claim(plan(replace(scene, margin=TOUCH)))
+
+
 def _search(scene: Scene) -> Claim:
     return _claim(SearchPlanner().plan(scene))
 
@@ -88,6 +93,9 @@ CONTESTANTS: Mapping[str, Contestant] = {
     "narrows": Contestant("`narrows.plan`, forward only", _ladder, is_ours=True),
     "narrows-reversing": Contestant(
         "`narrows.plan`, may reverse", _ladder, reversing=True, is_ours=True
+    ),
+    "narrows-1mm": Contestant(
+        "`narrows.plan`, forward only, asked for 1 mm as OBCA is", _touching, is_ours=True
     ),
     "search": Contestant("our coarse search alone, forward only", _search, is_ours=True),
     "search-reversing": Contestant(

@@ -32,7 +32,9 @@ _NODES = 60  # arcs: about 75 mm each on a way through a door
 _RATE_LENGTH, _LENGTH_WEIGHT = 0.3, 0.05  # l [m], a [1/m^2]: those of our planner
 _RESOLVES = 4  # solves after the first that a motion cutting between nodes is given
 _EXTRA = 1e-3  # m: asked for beyond the depth of a cut
-_TOUCH = 1e-3  # m asked for at the nodes: nobody should fail for touching
+TOUCH = 1e-3
+"""Clearance asked for at the nodes [m]: nobody should fail for touching."""
+
 _GOAL_SHARE = 0.999
 # The multipliers are not unique where a corner faces a corner: IPOPT's last digits take for ever.
 _OPTIONS = SolverOptions(
@@ -90,7 +92,7 @@ class _HalfPlanes:
         return np.concatenate([self.normals.ravel(), self.offsets])
 
 
-def obca(scene: Scene, guess: Path, *, recheck: bool, margin: float = _TOUCH) -> ObcaResult:
+def obca(scene: Scene, guess: Path, *, recheck: bool, margin: float = TOUCH) -> ObcaResult:
     """Return the motion OBCA finds from a rough forward path.
 
     Args:

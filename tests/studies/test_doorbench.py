@@ -312,10 +312,20 @@ def test_unknown_planners_are_refused(tmp_path):
         run("doorbench", tmp_path, planners=("nobody",))
 
 
+def test_asked_for_the_same_clearance_ours_bends_less_than_when_asked_for_more():
+    row = doorbench_rows(1, 3)[0]
+    scene = doorbench_scene(row)
+    ours, touching = (CONTESTANTS[name].claim(scene).path for name in ("narrows", "narrows-1mm"))
+    near, far = figures_of(scene, touching), figures_of(scene, ours)
+    assert near.clearance_mm < far.clearance_mm
+    assert near.integral_k2 <= far.integral_k2
+
+
 def test_ours_are_marked_as_ours():
     assert [name for name, one in CONTESTANTS.items() if one.is_ours] == [
         "narrows",
         "narrows-reversing",
+        "narrows-1mm",
         "search",
         "search-reversing",
     ]
