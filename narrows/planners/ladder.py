@@ -60,8 +60,8 @@ def plan(scene: Scene, *, planner: str = "auto", time_budget: float = TIME_BUDGE
 
     With "auto": the smooth optimum from curves through known doors and straight on; where they lack
     more than a millimetre of the margin, the proof that no motion passes; where it fails, a search
-    for other manoeuvres, each made smooth; the best certified one. The same scene gives the same plan, but
-    for time budgets that end on a slow machine.
+    for other manoeuvres, each made smooth; the best certified one. The same scene gives the same
+    plan, but for time budgets that end on a slow machine.
 
     Args:
         scene: The scene.
