@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -83,11 +84,13 @@ def region_options() -> RegionOptions:
     return RegionOptions(latency=PERIOD + PLANT.motor_lag)
 
 
-def prepare_regions(file: Path) -> Path:
-    """Compute the Xeno's safety regions into a file unless they are there; return the file."""
+def prepare_regions(folder: Path) -> str:
+    """Compute the Xeno's safety regions into a folder unless they are there; return the file."""
+    options = region_options()
+    file = folder / f"regions-{zlib.crc32(repr(options).encode()):08x}.npz"
     if not file.is_file():
-        SafetyRegions.compute(load_vehicle("xeno"), region_options()).save(file)
-    return file
+        SafetyRegions.compute(load_vehicle("xeno"), options).save(file)
+    return str(file)
 
 
 @functools.cache
