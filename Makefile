@@ -7,12 +7,13 @@ export OMP_NUM_THREADS ?= 1
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
 .DEFAULT_GOAL := help
-.PHONY: help setup setup-dev demo test fast lint bench lock clean
+.PHONY: help setup setup-view setup-dev demo test fast lint bench lock clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | awk -F'\t' '{printf "  make %-10s %s\n", $$1, $$2}'
 
 setup: .venv/.user-stamp ## make .venv with narrows in its bin, from the lock file
+setup-view: .venv/.view-stamp ## add what the page in the browser needs (narrows view)
 setup-dev: .venv/.dev-stamp
 
 .venv/bin/python:
@@ -23,6 +24,10 @@ setup-dev: .venv/.dev-stamp
 	$(BIN)/python -m pip install --quiet --require-hashes -r requirements/user.lock
 	$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation --editable .
 	$(BIN)/narrows plan examples/scenes/door.yaml --planner search --json > /dev/null || true # compiles the search, once
+	@touch $@
+
+.venv/.view-stamp: requirements/view.lock .venv/.user-stamp
+	$(BIN)/python -m pip install --quiet --require-hashes -r requirements/view.lock
 	@touch $@
 
 .venv/.dev-stamp: requirements/dev.lock .venv/.user-stamp
@@ -47,8 +52,9 @@ fast: setup-dev ## the tests that take seconds
 bench: setup-dev ## benchmarks, with their ratios to the plain formulation
 	$(BIN)/pytest tests/benchmarks --benchmark-enable --benchmark-only --benchmark-sort=name
 
-lock: ## write both lock files again (needs uv)
+lock: ## write the lock files again (needs uv)
 	uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-emit-index-url --no-emit-find-links --no-header pyproject.toml requirements/build.in -o requirements/user.lock
+	uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-emit-index-url --no-emit-find-links --no-header pyproject.toml requirements/build.in --extra view -c requirements/user.lock -o requirements/view.lock
 	uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-emit-index-url --no-emit-find-links --no-header pyproject.toml requirements/build.in --extra dev --extra view -c requirements/user.lock -o requirements/dev.lock
 
 clean: ## remove .venv and out/

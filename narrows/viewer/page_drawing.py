@@ -15,7 +15,7 @@ from narrows.path import Path
 from narrows.scene import Scene
 from narrows.se2 import Array, transform
 from narrows.vehicle import Vehicle
-from narrows.world import FLOOR_TO_CEILING, Solid
+from narrows.world import FLOOR_TO_CEILING, Door, Solid
 
 from . import palette
 from .chair_mesh import chair_parts
@@ -117,8 +117,8 @@ class SceneDrawing:
             label = self.api.add_label(
                 f"/world/door_{number}",
                 f"door {1e3 * door.width:.0f} mm",
-                position=(*door.center, 0.05),
-                anchor="center-center",
+                position=_beside(door),
+                anchor="bottom-left",
             )
             self.keep("world", label)
 
@@ -324,6 +324,13 @@ def camera(scene: Scene, aspect: float = 1.2) -> Camera:
     distance = 1.04 * float((np.max(needed, axis=0) - off @ ahead).max())
     x, y, z = (middle - distance * ahead).tolist()
     return Camera((x, y, z), (float(middle[0]), float(middle[1]), 0.0))
+
+
+def _beside(door: Door) -> tuple[float, float, float]:
+    """Return where a door's label stands: on the wall, to the right of who drives through."""
+    right = np.array([math.sin(door.heading), -math.cos(door.heading)])
+    x, y = (np.asarray(door.center) + (0.5 * door.width + 0.1) * right).tolist()
+    return x, y, CUT + 0.02
 
 
 def _rings(solid: Solid) -> list[shapely.LinearRing]:

@@ -25,7 +25,7 @@ from narrows.errors import NarrowsError, ShapeError
 Work = Callable[..., Any]
 """What a job runs: a function at the top of a module, called as work(report, *arguments)."""
 
-_WARM_PAUSE = 0.05  # s the forge waits for a request before it warms up further
+_WARM_PAUSE = 3.0  # s without a request after which the forge warms up further
 
 
 @dataclass(frozen=True)

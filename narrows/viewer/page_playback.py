@@ -189,6 +189,7 @@ def _plot(gui: GuiApi, motion: Motion, curve: Curve) -> Any:
         },
         axes=(uplot.Axis(size=28), uplot.Axis(size=48)),
         legend=uplot.Legend(show=False),
+        padding=(10, 10, 0, 0),
         height=125,
     )
 

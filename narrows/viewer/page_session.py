@@ -66,6 +66,7 @@ class Session:
         self.redraw()
         self.aim()
         client.camera.on_update(self._seen)
+        self._seen(client.camera)  # the panel may have made room for itself in between
 
     def _build_tabs(self, folder: Path) -> None:
         gui, state = self.client.gui, self.state

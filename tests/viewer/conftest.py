@@ -126,7 +126,8 @@ class Tab:
 
         field = self.field(label)
         field.send_keys(Keys.CONTROL, "a")
-        field.send_keys(text or Keys.DELETE, Keys.TAB)
+        field.send_keys(text or Keys.DELETE)
+        self.driver.execute_script("arguments[0].blur()", field)
 
 
 @dataclass

@@ -171,6 +171,8 @@ def test_a_drive_is_judged_and_nothing_is_cut_off(served, tab, tmp_path):
     tab.verdict_with("reached", "mm clear, driven")
     assert "tracking error [mm]" in tab.now
     tab.until(lambda: len(tab.all(".uplot")) == 3, "three plots")
+    tab.type("time [s]", "3.4")
+    tab.until(lambda: "at 3.40 s" in tab.now, "the chair before the door")
     wide = "return [document.documentElement.scrollWidth, window.innerWidth]"
     box = "const b = arguments[0].getBoundingClientRect(); return [b.left, b.right]"
     for width, height in ((1280, 800), (800, 600)):
@@ -187,8 +189,13 @@ def test_a_drive_is_judged_and_nothing_is_cut_off(served, tab, tmp_path):
 
 def dark_share(tab, folder, width):
     """Return how much of the scene is not background."""
+    from selenium.webdriver.common.action_chains import ActionChains
+
+    ActionChains(tab.driver).move_to_element(tab.all(".narrows-verdict")[0]).perform()  # no hints
+    tab.until(lambda: not tab.all("[role=tooltip]"), "the end of hints")
     from PIL import Image
 
-    tab.driver.save_screenshot(str(folder / "page.png"))
-    pixels = np.asarray(Image.open(folder / "page.png").convert("RGB"), dtype=int)
+    file = folder / f"page-{width}.png"
+    tab.driver.save_screenshot(str(file))
+    pixels = np.asarray(Image.open(file).convert("RGB"), dtype=int)
     return (pixels[:, : width - 340].sum(axis=2) < 690).mean()
