@@ -23,8 +23,8 @@ HELP = {
 }
 """How a door is driven through, by name; `helped` blends towards a certified path."""
 
-OFFSETS = (-0.6, -0.3, 0.0, 0.3, 0.6)
-"""Where the chair starts beside the door's middle, 2.6 m before its wall [m]."""
+OFFSETS = (-0.8, -0.4, 0.0, 0.4, 0.8)
+"""Where the chair starts beside the door's middle, 2.1 m before its wall [m]."""
 
 ANGLES_DEG = (-40.0, -20.0, 0.0, 20.0, 40.0)
 """Its heading there, from straight on [deg]."""
@@ -32,7 +32,7 @@ ANGLES_DEG = (-40.0, -20.0, 0.0, 20.0, 40.0)
 DOOR_DRIVERS = ("steady", "hasty", "shaky")
 """Who drives."""
 
-_BEFORE, _BEHIND, _SIDE = 3.6, 2.2, 2.2  # m of room before, behind and beside the door
+_BEFORE, _BEHIND, _SIDE = 3.1, 2.2, 2.2  # m of room before, behind and beside the door
 
 
 def door_scene(offset: float, angle: float) -> Scene:
@@ -56,7 +56,7 @@ def door_scene(offset: float, angle: float) -> Scene:
     ]
     world = World(tuple(walls), doors=(Door((0.05, 0.0), DOOR_WIDTH, 0.0),))
     goal = Goal(np.array([1.5, 0.0, 0.0]), 0.4, math.pi)
-    return Scene(load_vehicle("xeno"), world, np.array([-2.6, offset, angle]), goal)
+    return Scene(load_vehicle("xeno"), world, np.array([-2.1, offset, angle]), goal)
 
 
 def door_case(case: Case, rng: np.random.Generator, regions: str) -> Mapping[str, Scalar]:
@@ -75,7 +75,7 @@ def door_case(case: Case, rng: np.random.Generator, regions: str) -> Mapping[str
         raise StudyError("no such help", value=case["help"], allowed=", ".join(HELP))
     offset, angle = float(case["offset_m"] or 0.0), math.radians(float(case["angle_deg"] or 0.0))
     scene = door_scene(offset, angle)
-    route = Route(np.array([scene.start[:2], [-1.2, 0.0], [1.5, 0.0]]), 0.6)
+    route = Route(np.array([scene.start[:2], [-1.0, 0.0], [1.5, 0.0]]), 0.5)
     record, driver = drive(
         scene, str(case["driver"]), (route,), conditions, regions_of(regions), rng
     )
