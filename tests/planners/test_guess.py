@@ -148,6 +148,8 @@ def test_a_short_last_section_keeps_its_own_end_within_the_tolerance() -> None:
     near = path.goal + np.array([0.0, 0.03, 0.04])
     found = fitted(path, scene(start=path.start, goal=near), 8)
     np.testing.assert_allclose(found.nodes[-1], path.goal, atol=1e-12)
+    curve = BezierSection(Spline(8).to_bezier(found.controls[1]), -1)
+    assert Path((curve,)).max_curvature < 0.1
     far = path.goal + np.array([0.0, 0.06, 0.04])
     found = fitted(path, scene(start=path.start, goal=far), 8)
     np.testing.assert_allclose(found.nodes[-1], far, atol=1e-12)

@@ -1,5 +1,7 @@
 """Rows, curvature and control points: the program in symbols says the same, differences agree."""
 
+from dataclasses import replace
+
 import casadi as ca
 import numpy as np
 import pytest
@@ -13,6 +15,7 @@ from narrows.planners.row_terms import RowTerms
 from narrows.planners.section_motion import SectionMotion
 from narrows.planners.spline import Spline
 from narrows.planners.thin_body import ThinBodies
+from narrows.se2 import transform
 from narrows.vehicle import Vehicle
 from narrows.world import Solid, World
 
@@ -106,35 +109,78 @@ def least_clearance(world: World, vehicle: Vehicle, control: np.ndarray, t: floa
     return float(found.min())
 
 
-@pytest.mark.parametrize("solid", ["corner", "post"])
-def test_the_least_clearance_bends_as_its_row_says(solid: str) -> None:
-    """A corner or post passed by a turning chair: the place of the least moves with the curve."""
-    x, y = (1.3, 0.42) if solid == "corner" else (1.3, 0.5)
-    wedge = Solid.polygon([[x, y], [x + 0.4, y + 0.6], [x - 0.4, y + 0.6]])
-    world = World((wedge if solid == "corner" else Solid.circle(x, y, 0.08),))
-    vehicle = Vehicle.rectangle(1.0, 0.67, 0.25)
-    rng = np.random.default_rng(2)
-    control = np.column_stack([np.linspace(0, 2, 9), 0.12 * np.linspace(0, 2, 9) ** 2 - 0.1])
-    spline = Spline(6)
-    rows, least = rows_along(world, vehicle, SectionMotion(spline, control, 1), 0.02, samples=97)
+CONTROL = np.column_stack([np.linspace(0, 2, 9), 0.12 * np.linspace(0, 2, 9) ** 2 - 0.1])
+CHAIR = Vehicle.rectangle(1.0, 0.67, 0.25)
+
+
+def beside(what: str) -> World:
+    """What stands beside a chair that turns left: a corner or post it passes, a post it faces."""
+    if what == "corner":
+        return World((Solid.polygon([[1.3, 0.42], [1.7, 1.02], [0.9, 1.02]]),))
+    if what == "post":
+        return World((Solid.circle(1.3, 0.5, 0.08),))
+    pose = SectionMotion(Spline(6), CONTROL, 1)(np.array([1.0]))[0]
+    x, y = transform(pose, [[0.75 + 0.006, -0.335 - 0.008]])[0]
+    return World((Solid.polygon([[x, y], [x + 0.2, y - 0.1], [x + 0.1, y - 0.2]]),))
+
+
+def bent_on(spline: Spline) -> np.ndarray:
+    """The curve of CONTROL, driven 20 cm further: what it faced at the end lies inside."""
+    points = spline.basis(np.linspace(0, 1, 50)) @ CONTROL
+    end = points[-1] - points[-2]
+    further = points[-1] + np.linspace(0, 0.2, 6)[1:, None] * end / np.linalg.norm(end)
+    every = np.vstack([points, further + 0.3 * (further - points[-1])[:, :1] ** 2 * [0, 1]])
+    basis = spline.basis(np.linspace(0, 1, len(every)))
+    return np.linalg.lstsq(basis, every, rcond=None)[0]
+
+
+@pytest.mark.parametrize("what", ["corner", "post", "two corners"])
+def test_the_least_clearance_bends_as_its_row_says(what: str) -> None:
+    """A chair turns past something: the place of the least moves with the curve."""
+    spline, world, rng = Spline(6), beside(what), np.random.default_rng(2)
+    control = bent_on(spline) if what == "two corners" else CONTROL
+    rows, least = rows_along(world, CHAIR, SectionMotion(spline, control, 1), 0.02, samples=97)
     nearest = int(rows.gap.argmin())
     assert rows.is_least[nearest]
+    assert np.isfinite(rows.between_corners[nearest]) == (what == "two corners")
     rows = rows.take(np.array([nearest]))
     weights = (spline.basis(rows.parameter), spline.basis(rows.parameter, 1))
     terms = RowTerms.of(rows, control, 1, weights)
     hessian = terms.hessian(np.ones(1), spline)
-    t, h = float(rows.parameter[0]), 2e-3
+    t, h = float(rows.parameter[0]), 2e-4 if what == "two corners" else 2e-3
     for _ in range(5):
         step = rng.normal(size=control.shape)
         step /= np.abs(step).max()
         here, ahead, behind = (
-            least_clearance(world, vehicle, control + s * h * step, t) for s in (0, 1, -1)
+            least_clearance(world, CHAIR, control + s * h * step, t) for s in (0, 1, -1)
         )
         assert here == pytest.approx(least, abs=1e-6)
         slope = float(terms.jacobian[0] @ step.ravel())
         assert (ahead - behind) / (2 * h) == pytest.approx(slope, abs=2e-3)
         bending = float(step.ravel() @ hessian @ step.ravel())
         assert (ahead - 2 * here + behind) / h**2 == pytest.approx(bending, rel=0.1, abs=0.1)
+
+
+def test_at_a_place_that_stays_the_distance_of_two_corners_bends_as_its_row_says() -> None:
+    """The axis between them turns: the distance grows by the move across it squared over twice."""
+    spline, world, rng = Spline(6), beside("two corners"), np.random.default_rng(2)
+    control = bent_on(spline)
+    motion = SectionMotion(spline, control, 1)
+    rows, _ = rows_along(world, CHAIR, motion, 0.02, samples=97)
+    rows = rows.take(np.array([int(rows.gap.argmin())]))
+    rows = replace(rows, is_least=np.zeros(1, dtype=bool))
+    weights = (spline.basis(rows.parameter), spline.basis(rows.parameter, 1))
+    hessian = RowTerms.of(rows, control, 1, weights).hessian(np.ones(1), spline)
+    body = BodyDistance.of(CHAIR.layers[0], world.pieces_between(0.0, 1.0))
+    for _ in range(5):
+        step = rng.normal(size=control.shape)
+        step *= 1e-4 / np.abs(step).max()
+        poses = np.vstack(
+            [SectionMotion(spline, control + s * step, 1)(rows.parameter) for s in (-1, 0, 1)]
+        )
+        behind, here, ahead = body.measure(poses, np.zeros(3, dtype=np.int64), 1.0).distance
+        bending = float(step.ravel() @ hessian @ step.ravel())
+        assert ahead - 2 * here + behind == pytest.approx(bending, rel=0.02, abs=1e-11)
 
 
 def test_unknowns_and_control_points_go_both_ways() -> None:
