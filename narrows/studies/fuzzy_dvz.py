@@ -16,6 +16,7 @@ from .fuzzy_dvz_report import (
     paper_text,
     people_text,
     printed_text,
+    sensed_text,
 )
 from .fuzzy_dvz_runs import (
     BLIND,
@@ -27,6 +28,7 @@ from .fuzzy_dvz_runs import (
     people_case,
 )
 from .fuzzy_dvz_scenes import KINDS, PAPER_SCENES
+from .fuzzy_dvz_sensing import SENSED, sensing_case
 from .sweep import sweep
 from .table import Table
 
@@ -53,10 +55,12 @@ def run(
     compared: int = 60,
     told: int = 30,
     silent: int = 40,
+    senses: Sequence[str] = SENSED,
 ) -> str:
     """Run the study into a folder and return its report.
 
-    Writes `paper.csv`, `clutter.csv`, `people.csv`, `odd.csv`, `dropouts.csv` and a figure of each
+    Writes `paper.csv`, `clutter.csv`, `people.csv`, `odd.csv`, `dropouts.csv`,
+    `sensed.csv` and a figure of each
     of the paper's runs and of some random worlds.
 
     Args:
@@ -69,6 +73,7 @@ def run(
         compared: Of the cluttered worlds, for the printed equations.
         told: Of the peopled worlds, again with velocities known.
         silent: Of the cluttered worlds, again with senses that go silent.
+        senses: What the chair carries in the paper's runs, some of `SENSED`.
     """
     table = partial(_table, out, jobs=jobs, resume=resume, seed=seed)
     paper = table(
@@ -108,19 +113,26 @@ def run(
         [{"world": k, "base": seed} for k in range(silent)],
         ("world",),
     )
+    sensed = table(
+        "sensed",
+        sensing_case,
+        [{"scene": scene, "senses": kind} for scene in PAPER_SCENES for kind in senses],
+        ("scene", "senses"),
+    )
     draw(out, seed)
     parts = [
         "# Fuzzy rules and a deformable zone, again",
         paper_text(paper.done),
         clutter_text(clutter.done),
         people_text(people.done),
+        sensed_text(sensed.done),
         odd_text(odd.done),
         dropout_text(dropouts.done),
         printed_text(clutter.done),
     ]
     failed = [
         str(row["reason"])
-        for one in (paper, clutter, people, odd, dropouts)
+        for one in (paper, clutter, people, odd, dropouts, sensed)
         for row in one.failed.rows
     ]
     if failed:

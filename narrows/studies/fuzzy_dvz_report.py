@@ -109,6 +109,20 @@ def people_text(table: Table) -> str:
     )
 
 
+def sensed_text(table: Table) -> str:
+    """Return the section of the chair's own senses."""
+    columns = {"scene": "run", "senses": "senses", **_short(), "why": "why"}
+    return (
+        "## The paper's runs by a chair's own senses\n\n"
+        "Scanners 0.12 m above the floor and a depth camera 1 m above it, 57 degrees wide, with "
+        "noise and delay, into an obstacle map. What no ray has passed is unknown, and the guard "
+        "never takes it for free: a camera alone sees nothing beside the chair, so that it may not "
+        "turn. Scanners alone see nothing of what hangs above them. What the camera saw of "
+        "somebody stays where it cannot see again.\n\n"
+        + markdown_table(table.rows, columns, _short_formats())
+    )
+
+
 def odd_text(table: Table) -> str:
     """Return the section of the trap and the glass table."""
     columns = {"case": "case", **_short(), "why": "why"}

@@ -174,7 +174,8 @@ def test_a_row_says_who_drove():
 @pytest.mark.slow
 def test_the_whole_study_writes_its_report_and_figures(tmp_path):
     assert "fuzzy-dvz" in names()
-    report = run("fuzzy-dvz", tmp_path, worlds=2, peopled=3, compared=1, told=1, silent=1)
+    counts = {"worlds": 2, "peopled": 3, "compared": 1, "told": 1, "silent": 1}
+    report = run("fuzzy-dvz", tmp_path, **counts, senses=["two lasers"])
     assert "Contacts while the chair moves: 0" in report.text
     assert "The navigator arrives in 5 of 5 runs" in report.text
     assert "## Failed cases" not in report.text
