@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import ShapeError
 from .assistant_braking import ComfortBraking
 from .assistant_look import Look
 from .side_tables import Indicated, Side
@@ -38,6 +39,16 @@ class AvoidanceOptions:
     cost: float = 0.12
     change_cost: float = 0.06
     gain: float = 0.03
+
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        for name, value in self.__dict__.items():
+            if not (0.0 <= value < math.inf):
+                raise ShapeError(f"{name} must be a finite number >= 0, got {value}")
+        if not 0.0 < self.step <= self.widest <= 0.5 * math.pi:
+            raise ShapeError(
+                f"directions need 0 < step <= widest <= pi/2, got {self.step} and {self.widest}"
+            )
 
 
 def unwrapped(phi: float, forward: bool) -> float:

@@ -87,6 +87,15 @@ class DoorBlendOptions:
     trust: float = 0.2
     lost: float = 4.0
 
+    def __post_init__(self) -> None:
+        """Check the numbers."""
+        for name, value in self.__dict__.items():
+            if not (0.0 < value < math.inf):
+                raise ShapeError(f"{name} must be a finite positive number, got {value}")
+        for name in ("share", "trust"):
+            if getattr(self, name) > 1.0:
+                raise ShapeError(f"{name} must be a share up to 1, got {getattr(self, name)}")
+
 
 class DoorBlend:
     """Blends the user's heading rate towards that of a path through the door they head for.

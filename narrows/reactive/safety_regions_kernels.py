@@ -1,6 +1,8 @@
 """The compiled loops behind safety regions: braking poses, and the cells a braking body touches.
 
-Imported where regions are computed or looked up, never at `import narrows`.
+Imported where regions are computed or looked up, never at `import narrows`. Their machine code
+is kept on disk and renewed when their own file changes: after editing this file, touch
+`assistant_kernels.py`, which calls it.
 """
 
 from __future__ import annotations

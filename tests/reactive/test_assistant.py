@@ -12,6 +12,8 @@ from narrows.interfaces import Percept
 from narrows.reactive.assistant_options import AssistantOptions, AssistantState
 from narrows.reactive.assistant_prediction import Prediction
 from narrows.reactive.assistant_view import View
+from narrows.reactive.avoidance import AvoidanceOptions
+from narrows.reactive.door_blend import DoorBlendOptions
 from narrows.reactive.safety_regions import RegionOptions, SafetyRegions
 from narrows.reactive.smooth_motion import MotionLimits, Smooth, SmoothMotion
 from narrows.se2 import compose, invert, transform
@@ -475,6 +477,10 @@ def test_steps_are_the_same_in_the_mirror(simulated):
 def test_options_of_no_sense_are_refused(simulated, xeno):
     with pytest.raises(ShapeError, match="fresh < stale"):
         AssistantOptions(fresh=0.5, stale=0.4)
+    with pytest.raises(ShapeError, match="step <= widest"):
+        AvoidanceOptions(step=2.0)
+    with pytest.raises(ShapeError, match="share"):
+        DoorBlendOptions(share=1.5)
     with pytest.raises(ShapeError, match="comfort"):
         AssistantOptions(comfort=1.5)
     weak = RegionOptions(
