@@ -203,14 +203,20 @@ def tab(driver):
     driver.switch_to.window(driver.window_handles[0])
 
 
-def kept(folder):
-    """Serve a page while a test uses it, and see that it ended well."""
+def kept(folder, *, quiet=True):
+    """Serve a page while a test uses it, and see that it ended well, without a word if quiet."""
     pytest.importorskip("viser", reason="viser is not installed (extra view)")
     served = serve(folder)
     yield served
     assert end(served) == 0
     with served.process.stdout as told:
-        assert "Traceback" not in told.read()
+        assert not quiet or "Traceback" not in told.read()
+
+
+@pytest.fixture(scope="module")
+def harassed(tmp_path_factory):
+    """Return a page for strangers, who may make it complain in its terminal."""
+    yield from kept(tmp_path_factory.mktemp("harassed"), quiet=False)
 
 
 @pytest.fixture(scope="module")
