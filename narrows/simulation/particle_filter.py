@@ -1,9 +1,9 @@
 """Where a chair is in a known map, from laser scans and odometry: a particle filter.
 
 [DrivingAssistant, Section V-B] localised its runs by GMapping with the map left untouched: "a
-small number of particles keeps track". Monte Carlo localisation [ThrunBurgardFox2005, Ch. 8] with
-the likelihood field of the map [ThrunBurgardFox2005, Sec. 6.4]: a particle weighs the more, the
-nearer the scan's points lie to walls when seen from it.
+small number of particles keeps track". Monte Carlo localisation with the likelihood field of the
+map (Thrun, Burgard, Fox, Probabilistic Robotics, 2005, Chapters 8 and 6): a particle weighs the
+more, the nearer the scan's points lie to walls when seen from it.
 """
 
 from __future__ import annotations
