@@ -14,7 +14,7 @@ from narrows.simulation.driver_traits import DRIVERS
 from narrows.simulation.judge import judge
 from narrows.simulation.record import Record
 from narrows.studies import assistant, assistant_drives, assistant_faults, assistant_people
-from narrows.studies import assistant_report as report
+from narrows.studies import assistant_tables as tables
 from narrows.studies.assistant_course import BACK, THERE, course_routes, course_scene
 from narrows.studies.assistant_doors import door_scene
 from narrows.studies.assistant_drives import Conditions, drive_with, seat_driver
@@ -145,9 +145,9 @@ def test_the_study_runs_resumes_and_reports(tmp_path, monkeypatch):
     monkeypatch.setattr(assistant_drives, "region_options", lambda: COARSE)
     monkeypatch.setattr(assistant_drives, "_HOSTILE_TIME", 10.0)
     monkeypatch.setattr(assistant, "GAPS", (1.0,))
-    monkeypatch.setattr(report, "GAPS", (1.0,))
+    monkeypatch.setattr(tables, "GAPS", (1.0,))
     few = {name: assistant_faults.TROUBLES[name] for name in ("scanners dead after 25 s",)}
-    for module in (assistant, report, assistant_faults):
+    for module in (assistant, tables, assistant_faults):
         monkeypatch.setattr(module, "TROUBLES", few)
     monkeypatch.setattr(assistant, "DOOR_DRIVERS", ("steady",))
     small = {
@@ -168,8 +168,8 @@ def test_the_study_runs_resumes_and_reports(tmp_path, monkeypatch):
     dead = read_csv(tmp_path / "faults.csv", ["trouble", "driver"]).rows[0]
     assert dead["stands_at_end"] == 1
     assert float(dead["blind_m"]) < 0.5  # v t + v^2 / 2 a at 0.8 m/s and 1 m/s^2
-    tracks = read_csv(tmp_path / "tracks.csv", ["driver", "device", "assisted"])
-    assert tracks.column("max_mm").max() < 60.0  # three cells
+    found = read_csv(tmp_path / "tracks.csv", ["driver", "device", "assisted"])
+    assert found.column("max_mm").max() < 60.0  # three cells
     assert "## Doors of 0.80 m" in first.text
     again = run("assistant", tmp_path, resume=True, **small)
     assert again.text == first.text
