@@ -2,9 +2,9 @@
 
 [DrivingAssistant, Section V-B] learned a grid of 2 cm cells with GMapping (Grisetti, Stachniss,
 Burgard, 2007). This is the small part of that which a course of rooms needs: one hypothesis, each
-scan aligned to the map so far before it is added. The gradient of the distance to the nearest occupied
-cell pulls the scan's points onto the walls (Gauss-Newton, outliers weighted down), the odometry
-says where to begin and holds what the walls leave open, such as the way along a corridor.
+scan aligned to the map so far before it is added. The gradient of the distance to the nearest
+occupied cell pulls the scan's points onto the walls (Gauss-Newton, outliers weighted down), the
+odometry says where to begin and holds what the walls leave open, such as the way along a corridor.
 """
 
 from __future__ import annotations
