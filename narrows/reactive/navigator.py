@@ -55,6 +55,8 @@ class NavigatorOptions:
         stir: Distance [m]; a turn by as many metres of the body's furthest point counts too.
         backing: How far it backs off [m], where its limits let it reverse.
         retreats: How often it backs off without having come nearer to its target in between.
+        change: Time after which it keeps to the other side for half as long, if it has come no
+            nearer to its target than ever by `stir` [s].
         endurance: Time in which it must come nearer to its target than ever by `stir` [s].
     """
 
@@ -73,11 +75,12 @@ class NavigatorOptions:
     stir: float = 0.1
     backing: float = 0.6
     retreats: int = 6
-    endurance: float = 90.0
+    change: float = 30.0
+    endurance: float = 120.0
 
     def __post_init__(self) -> None:
         """Check the numbers."""
-        for name in ("arrival", "speed", "patience", "stir", "endurance"):
+        for name in ("arrival", "speed", "patience", "stir", "change", "endurance"):
             if not 0.0 < getattr(self, name) < math.inf:
                 raise ShapeError(f"{name} must be a positive number, got {getattr(self, name)}")
         for name in ("creep", "tie", "docking", "pivot", "backing"):
@@ -132,7 +135,7 @@ class Navigator:
         self._command = np.zeros(2)
         self._side, self._side_until, self._dock_after = 1.0, -math.inf, -math.inf
         self._first = self._best = math.nan
-        self._best_at = self._stirred_at = math.nan
+        self._best_at = self._stirred_at = self._change_at = math.nan
         self._stirred, self._radius = np.zeros(3), vehicle.radius
         self._retreat: Array | None = None
         self._retreats = 0
@@ -251,9 +254,14 @@ class Navigator:
         if math.isnan(self._first):
             self._first = self._best = distance
             self._best_at = self._stirred_at = time
+            self._change_at = time + chosen.change
             self._stirred = pose
         if distance < self._best - chosen.stir:
             self._best, self._best_at, self._retreats = distance, time, 0
+            self._change_at = time + chosen.change
+        elif time >= self._change_at:  # it goes round and round: the other way this time
+            self._side, self._change_at = -self._side, time + chosen.change
+            self._side_until = time + 0.5 * chosen.change
         if _way(self._stirred, pose, self._radius) > chosen.stir:
             self._stirred, self._stirred_at = pose, time
         waited = time - self._stirred_at > chosen.patience

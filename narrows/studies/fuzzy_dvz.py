@@ -53,7 +53,7 @@ def run(
     worlds: int = 500,
     peopled: int = 200,
     compared: int = 60,
-    told: int = 30,
+    told: int = 20,
     silent: int = 40,
     senses: Sequence[str] = SENSED,
 ) -> str:
