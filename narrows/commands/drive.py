@@ -103,20 +103,8 @@ def run_drive(
         head = f"{scene.name or scene_file}: {given}, {found.status}"
         notes = [f"{given} is {found.status}: {found.reason}"] if found.problems else []
         notes += [f"{given}: {note}" for note in found.notes if not found.problems]
-    if controller is None:
-        follower = make_tracker(tracker, motion, scene.vehicle)
-        record = simulate(scene, follower, reference=motion, report=report)
-    else:
-        fitted = make_controller(controller, scene, motion, tracker=tracker)
-        record = simulate(
-            scene,
-            fitted.controller,
-            senses=fitted.senses,
-            reference=motion,
-            options=fitted.options,
-            report=report,
-        )
-        head = lines(head, (controller, fitted.outcome()))
+    record, said = _driven(scene, motion, tracker, controller, report)
+    head = lines(head, said)
     verdict = judge(scene, record)
     if files.record is not None:
         write_record(record, files.record)
@@ -127,6 +115,29 @@ def run_drive(
     if not verdict.reached:
         notes.append(verdict.reason)
     return Outcome(code, verdict.figures(), text, tuple(notes))
+
+
+def _driven(
+    scene: Scene,
+    motion: Path | Trajectory,
+    tracker: str,
+    controller: str | None,
+    report: Callable[[float], None] | None,
+) -> tuple[Record, tuple[str, str] | str]:
+    """Return the record of a drive, and what a controller has to say."""
+    if controller is None:
+        follower = make_tracker(tracker, motion, scene.vehicle)
+        return simulate(scene, follower, reference=motion, report=report), ""
+    fitted = make_controller(controller, scene, motion, tracker=tracker)
+    record = simulate(
+        scene,
+        fitted.controller,
+        senses=fitted.senses,
+        reference=motion,
+        options=fitted.options,
+        report=report,
+    )
+    return record, (controller, fitted.outcome())
 
 
 def _foreseen(scene: Scene, controller: str | None) -> Scene:

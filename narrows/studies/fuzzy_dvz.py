@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import partial
+from itertools import product
 from pathlib import Path
 
 from .case import CaseFunction
@@ -33,6 +34,8 @@ from .sweep import sweep
 from .table import Table
 
 SUMMARY = "the navigator of [FuzzyDVZ]: its runs, random worlds, people, its printed equations"
+
+_Case = dict[str, object]
 
 ODD = (
     "U-trap 1.0",
@@ -79,31 +82,19 @@ def run(
     paper = table(
         "paper",
         paper_case,
-        [
-            {"scene": scene, "variant": variant}
-            for scene in PAPER_SCENES
-            for variant in (GUARDED, BLIND, *VARIANTS)
-        ],
+        _each("scene", PAPER_SCENES, "variant", (GUARDED, BLIND, *VARIANTS)),
         ("scene", "variant"),
     )
     clutter = table(
         "clutter",
         clutter_case,
-        [
-            {"world": k, "variant": variant, "base": seed}
-            for variant in (GUARDED, *VARIANTS)
-            for k in range(worlds if variant == GUARDED else min(compared, worlds))
-        ],
+        _clutter(worlds, compared, seed),
         ("world", "variant"),
     )
     people = table(
         "people",
         people_case,
-        [
-            {"world": k, "kind": KINDS[k % len(KINDS)], "knows": knows, "base": seed}
-            for knows, count in ((False, peopled), (True, min(told, peopled)))
-            for k in range(count)
-        ],
+        _people(peopled, told, seed),
         ("world", "knows"),
     )
     odd = table("odd", odd_case, [{"case": name} for name in ODD], ("case",))
@@ -116,7 +107,7 @@ def run(
     sensed = table(
         "sensed",
         sensing_case,
-        [{"scene": scene, "senses": kind} for scene in PAPER_SCENES for kind in senses],
+        _each("scene", PAPER_SCENES, "senses", senses),
         ("scene", "senses"),
     )
     draw(out, seed)
@@ -140,11 +131,34 @@ def run(
     return "\n\n".join(parts) + "\n"
 
 
+def _each(first: str, ones: Iterable[str], second: str, others: Iterable[str]) -> list[_Case]:
+    """Return a case for each pair."""
+    return [{first: one, second: other} for one, other in product(ones, others)]
+
+
+def _clutter(worlds: int, compared: int, seed: int) -> list[_Case]:
+    """Return the cluttered worlds, the first of them for the printed equations too."""
+    cases: list[_Case] = [{"world": k, "variant": GUARDED, "base": seed} for k in range(worlds)]
+    for variant in VARIANTS:
+        count = min(compared, worlds)
+        cases += [{"world": k, "variant": variant, "base": seed} for k in range(count)]
+    return cases
+
+
+def _people(peopled: int, told: int, seed: int) -> list[_Case]:
+    """Return the worlds with people, the first of them with velocities known too."""
+    return [
+        {"world": k, "kind": KINDS[k % len(KINDS)], "knows": knows, "base": seed}
+        for knows, count in ((False, peopled), (True, min(told, peopled)))
+        for k in range(count)
+    ]
+
+
 def _table(
     out: Path,
     name: str,
     function: CaseFunction,
-    cases: Sequence[dict[str, object]],
+    cases: Sequence[_Case],
     keys: tuple[str, ...],
     *,
     jobs: int,
