@@ -123,26 +123,10 @@ def is_way_free(
         margins: Distance to keep from each point, shape (N,), [m].
         blind: Age of the points [s].
     """
-    last = rows[-1, 0] + blind
     fastest = walking.max() if len(walking) else 0.0
-    low_x, high_x, low_y, high_y = np.inf, -np.inf, np.inf, -np.inf
-    for layer in range(len(offsets)):
-        for edge in range(offsets.shape[1]):
-            follow = (edge + 1) % offsets.shape[1]
-            a, b = normals[layer, edge], normals[layer, follow]
-            cross = a[0] * b[1] - a[1] * b[0]
-            if abs(cross) < 1e-12:
-                continue
-            corner_x = (offsets[layer, edge] * b[1] - offsets[layer, follow] * a[1]) / cross
-            corner_y = (offsets[layer, follow] * a[0] - offsets[layer, edge] * b[0]) / cross
-            for row in rows:
-                cos, sin = math.cos(row[3]), math.sin(row[3])
-                x = row[1] + cos * corner_x - sin * corner_y
-                y = row[2] + sin * corner_x + cos * corner_y
-                low_x, high_x = min(low_x, x), max(high_x, x)
-                low_y, high_y = min(low_y, y), max(high_y, y)
     widest = margins.max() if len(margins) else 0.0
-    slack = widest + between.max() + fastest * last
+    slack = widest + between.max() + fastest * (rows[-1, 0] + blind)
+    low_x, high_x, low_y, high_y = _swept_box(rows, normals, offsets)
     for n in range(len(points)):
         x, y, z = points[n, 0], points[n, 1], points[n, 2]
         if x < low_x - slack or x > high_x + slack or y < low_y - slack or y > high_y + slack:
@@ -166,6 +150,28 @@ def is_way_free(
                 if distance < needed and (walking[n] > 0.0 or distance < first - 1e-6):
                     return n
     return -1
+
+
+@compiled
+def _swept_box(rows: Array, normals: Array, offsets: Array) -> tuple[float, float, float, float]:
+    """Return x_min, x_max, y_min, y_max of a body at all its poses; a corner joins two edges."""
+    low_x, high_x, low_y, high_y = np.inf, -np.inf, np.inf, -np.inf
+    for layer in range(len(offsets)):
+        for edge in range(offsets.shape[1]):
+            follow = (edge + 1) % offsets.shape[1]
+            a, b = normals[layer, edge], normals[layer, follow]
+            cross = a[0] * b[1] - a[1] * b[0]
+            if abs(cross) < 1e-12:
+                continue
+            corner_x = (offsets[layer, edge] * b[1] - offsets[layer, follow] * a[1]) / cross
+            corner_y = (offsets[layer, follow] * a[0] - offsets[layer, edge] * b[0]) / cross
+            for row in rows:
+                cos, sin = math.cos(row[3]), math.sin(row[3])
+                x = row[1] + cos * corner_x - sin * corner_y
+                y = row[2] + sin * corner_x + cos * corner_y
+                low_x, high_x = min(low_x, x), max(high_x, x)
+                low_y, high_y = min(low_y, y), max(high_y, y)
+    return low_x, high_x, low_y, high_y
 
 
 @compiled
