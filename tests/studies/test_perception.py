@@ -9,6 +9,7 @@ from PIL import Image
 from narrows.errors import StudyError
 from narrows.studies import run
 from narrows.studies.perception_frames import SIMULATED, load_frame
+from narrows.studies.perception_times import measure_map_and_openings
 
 
 @pytest.mark.slow
@@ -33,9 +34,23 @@ def test_a_folder_of_frames_is_read_and_its_reference_shown(tmp_path):
     (folder / "intrinsics.json").write_text(json.dumps({"rgrgb": four}))
     again = load_frame("rgrgb", folder)
     assert np.array_equal(again.depth, frame.depth)
-    assert "64508" in run("perception", tmp_path / "out", folder=folder).text
+    assert "64508" in run("perception", tmp_path / "out", data=folder).text
+
+
+@pytest.mark.slow
+def test_the_map_takes_a_millisecond_and_finds_the_door_of_the_simulated_drive():
+    steps = measure_map_and_openings(np.random.default_rng(0))
+    assert steps["scan_ms"] <= 1.0
+    assert steps["seen_doors"] > 20
+    assert steps["mean_width_m"] == pytest.approx(0.9, abs=0.01)
+
+
+def test_the_frames_may_lie_in_a_folder_named_kinect(tmp_path):
+    (tmp_path / "kinect").mkdir()
+    with pytest.raises(StudyError, match=r"kinect.intrinsics\.json"):
+        run("perception", tmp_path / "out", data=tmp_path)
 
 
 def test_a_folder_that_is_not_there_is_said(tmp_path):
     with pytest.raises(StudyError, match=r"intrinsics\.json"):
-        run("perception", tmp_path, folder=tmp_path / "nowhere")
+        run("perception", tmp_path, data=tmp_path / "nowhere")
