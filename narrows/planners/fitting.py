@@ -15,6 +15,7 @@ from .spline import Spline
 
 _SAMPLES = 161
 _SHORTEST = 0.05  # m: shortest leg a guess begins with, less where the section is short
+_RIDGE = 1e-13  # keeps curves that double back on themselves solvable
 _SHIFT = 0.1  # share of a section's length by which its end may be moved aside
 
 
@@ -71,7 +72,10 @@ def _fit(points: Array, first: Array, last: Array, direction: int, spline: Splin
             matrix[axis::2, 2 + 2 * j + axis] = basis[:, 2 + j]
     held = (basis[:, 0] + basis[:, 1])[:, None] * first[:2]
     held = held + (basis[:, -1] + basis[:, -2])[:, None] * last[:2]
-    solution = np.linalg.lstsq(matrix, (points - held).ravel(), rcond=None)[0]
+    # Normal equations, x and y in turn: larger products and `lstsq` wake threads that only wait.
+    gram = matrix[0::2].T @ matrix[0::2] + matrix[1::2].T @ matrix[1::2]
+    gram = gram + _RIDGE * np.trace(gram) * np.eye(len(gram))
+    solution = np.linalg.solve(gram, matrix.T @ (points - held).ravel())
     length = float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
     even = length / (3.0 * spline.segments)  # the legs of an even parametrisation
     legs = np.maximum(solution[:2], min(_SHORTEST, 0.5 * even))

@@ -109,6 +109,27 @@ class ManoeuvreShape:
                 result[tip, node + 2] = x[own + leg] * np.array([-ahead[1], ahead[0]])
         return result
 
+    def carried(self, jacobian: Array, x: Array, k: int) -> Array:
+        """Return derivatives (N, 2 count) by a section's control points as those by the unknowns.
+
+        As `jacobian @ derivative(x, k)`, without the zeros.
+        """
+        count, own = self.spline.count, self.layout.section(k).start
+        result = np.zeros((len(jacobian), self.layout.size))
+        result[:, own + 2 : own + 2 + 2 * (count - 4)] = jacobian[:, 4:-4]
+        direction, last = self.directions[k], 2 * count - 2
+        for leg, side, end, tip in ((0, 1.0, 0, 2), (1, -1.0, last, last - 2)):
+            node = 3 * (k - 1 + leg)
+            ahead = side * direction * _ahead(x[node + 2] if node >= 0 else self.start[2])
+            along_x, along_y = jacobian[:, tip], jacobian[:, tip + 1]
+            result[:, own + leg] = along_x * ahead[0] + along_y * ahead[1]
+            if node >= 0:
+                result[:, node] = jacobian[:, end] + along_x
+                result[:, node + 1] = jacobian[:, end + 1] + along_y
+                across = along_y * ahead[0] - along_x * ahead[1]
+                result[:, node + 2] = x[own + leg] * across
+        return result
+
     def bending(self, x: Array, k: int, gradient: Array) -> Array:
         """Return sum_j gradient_j d^2 C_j, shape (size, size), for a gradient (2 count,) by C."""
         own, size = self.layout.section(k).start, self.layout.size

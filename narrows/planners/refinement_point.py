@@ -8,6 +8,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from narrows.quadratic import times
 from narrows.scene import Scene
 from narrows.se2 import Array
 
@@ -51,11 +52,11 @@ class Constraints:
     def seen_from(self, step: Array) -> Constraints:
         """Return the values these would have a step back if they were straight lines."""
         return Constraints(
-            self.goal - self.goal_jacobian @ step,
+            self.goal - times(self.goal_jacobian, step),
             self.goal_jacobian,
-            self.bends - self.bend_jacobian @ step,
+            self.bends - times(self.bend_jacobian, step),
             self.bend_jacobian,
-            self.clearances - self.clearance_jacobian @ step,
+            self.clearances - times(self.clearance_jacobian, step),
             self.clearance_jacobian,
         )
 
@@ -177,25 +178,19 @@ class RefinementModel:
         ]
         terms = tuple(section for section, _ in found)
         bends = tuple(self._bends(control) for control in controls)
-        derivatives = [self.shape.derivative(x, k) for k in range(len(terms))]
-        last = 3 * self.layout.sections - 3
+        carried, last = self.shape.carried, 3 * self.layout.sections - 3
         constraints = Constraints(
             self._goal_axes @ (x[last : last + 2] - self.goal[:2]),
             self._goal_jacobian,
             np.concatenate([sign * near.value for near, sign in bends]),
             np.concatenate(
                 [
-                    (sign[:, None] * near.jacobian) @ derivative
-                    for (near, sign), derivative in zip(bends, derivatives, strict=True)
+                    carried(sign[:, None] * near.jacobian, x, k)
+                    for k, (near, sign) in enumerate(bends)
                 ]
             ),
             np.concatenate([section.value for section in terms]),
-            np.concatenate(
-                [
-                    section.jacobian @ derivative
-                    for section, derivative in zip(terms, derivatives, strict=True)
-                ]
-            ),
+            np.concatenate([carried(section.jacobian, x, k) for k, section in enumerate(terms)]),
         )
         slack = max(0.0, -float(constraints.clearances.min(initial=0.0)))
         excess = max(0.0, float(constraints.bends.max(initial=0.0)) - self.limit)

@@ -15,6 +15,7 @@ from .refinement_point import Constraints, Multipliers, Point, RefinementModel
 
 _EDGE = 0.98  # share of the goal's tolerance that is used
 _SLACK_CURVATURE = 10.0  # cost / m^2: 2e-3 at a slack of 20 mm
+_ONE_THREAD = 25  # rows up to which NumPy looks for eigenvalues in one thread
 _LEAST_CURVATURE = 1e-2  # least eigenvalue of the cost's model
 
 
@@ -101,9 +102,27 @@ def _box(model: RefinementModel, point: Point, radius: float) -> tuple[Array, Ar
 
 
 def convex(hessian: Array) -> Array:
-    """Return a Hessian with its eigenvalues' absolute values, at least a little."""
-    values, vectors = np.linalg.eigh(0.5 * (hessian + hessian.T))
-    result = (vectors * np.maximum(values, _LEAST_CURVATURE)) @ vectors.T
-    # The slacks enter linearly; a little curvature keeps the quadratic program well scaled.
-    result[[-2, -1], [-2, -1]] = _SLACK_CURVATURE
-    return np.asarray(result)
+    """Return a Hessian without its negative curvature, a little of it everywhere.
+
+    The slacks enter linearly; a little curvature keeps the quadratic program well scaled.
+    """
+    curves = hessian[:-2, :-2]
+    values, vectors = _eigen(0.5 * (curves + curves.T))
+    result = np.diag(np.full(len(hessian), _SLACK_CURVATURE))
+    result[:-2, :-2] = (vectors * np.maximum(values, _LEAST_CURVATURE)) @ vectors.T
+    return result
+
+
+def _eigen(matrix: Array) -> tuple[Array, Array]:
+    """Return eigenvalues (n,) and eigenvectors (n, n) of a symmetric matrix, in this thread.
+
+    NumPy's own wakes all threads from 26 rows on, whose waiting costs ten times the work; SciPy's
+    does not, but takes a while to import.
+    """
+    if len(matrix) <= _ONE_THREAD:
+        values, vectors = np.linalg.eigh(matrix)
+    else:
+        from scipy.linalg import eigh
+
+        values, vectors = eigh(matrix, driver="evd", check_finite=False)
+    return np.asarray(values), np.asarray(vectors)

@@ -65,6 +65,8 @@ def test_rows_and_curvatures_are_those_of_the_program_in_symbols(seed: int) -> N
         np.testing.assert_allclose(terms.value, g[own], atol=1e-12)
         ours = terms.jacobian @ derivative
         np.testing.assert_allclose(ours[:, :-2], jacobian[own, :-2], atol=1e-11)
+        carried = SHAPE.carried(terms.jacobian, case.x, k)
+        np.testing.assert_allclose(carried, ours, atol=1e-12)
         bent = slice(2 + 2 * LAYOUT.bends * k, 2 + 2 * LAYOUT.bends * k + LAYOUT.bends)
         bends = BendTerms.of(SHAPE.controls(case.x)[k], BEND_WEIGHTS)
         scale = 1.0 + np.abs(jacobian[bent]).max()
