@@ -1,5 +1,6 @@
 """A page served as the command line serves it, and a real browser without a window."""
 
+import contextlib
 import os
 import re
 import shutil
@@ -226,6 +227,8 @@ def served(tmp_path_factory):
 
 
 @pytest.fixture
-def just_served(tmp_path):
-    """Return the default page, just about to be there."""
-    yield from kept(tmp_path)
+def serving(tmp_path):
+    """Return what serves the default page anew, each time it is called."""
+    with contextlib.ExitStack() as stack:
+        pages = contextlib.contextmanager(kept)
+        yield lambda: stack.enter_context(pages(tmp_path))

@@ -24,17 +24,21 @@ button.click();
 """
 
 
-def test_the_first_view_and_the_plan_come_soon(tab, just_served, capsys):
-    listening = time.monotonic() - just_served.begun
-    tab.driver.get(just_served.url)
-    tab.until(lambda: tab.verdict and tab.all("canvas"), "the page")
-    first = time.monotonic() - just_served.begun
+def test_the_first_view_and_the_plan_come_soon(tab, serving, capsys):
+    waits = []
+    for _ in range(3):
+        page = serving()
+        listening = time.monotonic() - page.begun
+        tab.driver.get(page.url)
+        tab.until(lambda: tab.verdict and tab.all("canvas"), "the page")
+        waits.append(time.monotonic() - page.begun)
     clicks = [1e-3 * tab.driver.execute_async_script(CLICK) for _ in range(5)]
     with capsys.disabled():
         print(
-            f"\nfirst view {first:.1f} s after the command (the server listens after "
-            f"{listening:.1f} s); plan {min(clicks):.2f} s after the click at best, "
-            f"{sorted(clicks)[2]:.2f} s in the middle of 5; load {os.getloadavg()[0]:.1f}"
+            f"\nfirst view {waits[0]:.1f} s after the command in a browser just started, "
+            f"{min(waits[1:]):.1f} s in one that runs (it listens after {listening:.1f} s); "
+            f"plan {min(clicks):.2f} s after the click at best, {sorted(clicks)[2]:.2f} s in the "
+            f"middle of 5; load {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores"
         )
-    assert first < 20.0
+    assert min(waits) < 15.0
     assert min(clicks) < 3.0
