@@ -202,7 +202,7 @@ def watch_cells(
         cell: Edge of a cell [m].
         gone: A place not seen occupied for longer is empty [s].
         long: A place occupied for longer needs no look about it [s].
-        index: World index of each cell, shape (R, R, 2).
+        index: World index of each cell, shape (R, R, 2), R a power of 2.
         since: Since when it is occupied [s], shape (R, R).
         seen: When it was last seen occupied [s], shape (R, R).
 
@@ -210,12 +210,12 @@ def watch_cells(
         Shape (N,), [s]; of a place and the eight about it, the one occupied for longest: points on
         the edge of a cell are seen in one and in the other.
     """
-    size = len(since)
+    mask = len(since) - 1
     cells = np.empty((len(places), 2), dtype=np.int64)
     for n in range(len(places)):
         i, j = math.floor(places[n, 0] / cell), math.floor(places[n, 1] / cell)
         cells[n, 0], cells[n, 1] = i, j
-        row, column = i % size, j % size
+        row, column = i & mask, j & mask
         stranger = index[row, column, 0] != i or index[row, column, 1] != j
         if stranger or seen[row, column] < now - gone:
             index[row, column, 0], index[row, column, 1] = i, j
@@ -223,19 +223,14 @@ def watch_cells(
         seen[row, column] = now
     found = np.empty(len(places))
     for n in range(len(places)):
-        if n > 0 and cells[n, 0] == cells[n - 1, 0] and cells[n, 1] == cells[n - 1, 1]:
-            found[n] = found[n - 1]
-            continue
-        found[n] = since[cells[n, 0] % size, cells[n, 1] % size]
+        found[n] = since[cells[n, 0] & mask, cells[n, 1] & mask]
         if now - found[n] >= long:
             continue
         for i in range(cells[n, 0] - 1, cells[n, 0] + 2):
+            row = i & mask
             for j in range(cells[n, 1] - 1, cells[n, 1] + 2):
-                row, column = i % size, j % size
-                if (
-                    seen[row, column] >= now - gone
-                    and index[row, column, 0] == i
-                    and index[row, column, 1] == j
-                ):
-                    found[n] = min(found[n], since[row, column])
+                column = j & mask
+                older = since[row, column] < found[n] and seen[row, column] >= now - gone
+                if older and index[row, column, 0] == i and index[row, column, 1] == j:
+                    found[n] = since[row, column]
     return found
