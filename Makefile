@@ -24,6 +24,7 @@ setup-dev: .venv/.dev-stamp
 	$(BIN)/python -m pip install --quiet --require-hashes -r requirements/user.lock
 	$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation --editable .
 	$(BIN)/narrows plan examples/scenes/door.yaml --planner search --json > /dev/null || true # compiles the search, once
+	$(BIN)/narrows plan examples/scenes/tight-door.yaml --json > /dev/null || true # and what tight doors need
 	@touch $@
 
 .venv/.view-stamp: requirements/view.lock .venv/.user-stamp
