@@ -14,6 +14,7 @@ from viser import ClientHandle, ViserServer
 
 from narrows.errors import InputError
 
+from .page_controllers import CommandControllers
 from .page_drawing import SceneDrawing, camera
 from .page_jobs import JobRunner
 from .page_session import Session
@@ -34,7 +35,15 @@ class Page:
         url: Where it is.
     """
 
-    def __init__(self, state: SceneState, *, host: str, port: int, folder: Path) -> None:
+    def __init__(
+        self,
+        state: SceneState,
+        *,
+        host: str,
+        port: int,
+        folder: Path,
+        commanded: CommandControllers | None = None,
+    ) -> None:
         """Start serving.
 
         Args:
@@ -42,12 +51,14 @@ class Page:
             host: Name or address to listen on.
             port: Port, 0 for any; the next free one if it is taken.
             folder: The only folder that is written to.
+            commanded: The controllers of the command line.
 
         Raises:
             InputError: If nothing can listen there.
         """
         self.state = state
         self.folder = folder.resolve()
+        self._commanded = CommandControllers() if commanded is None else commanded
         self._host = host
         self._sessions: dict[int, Session] = {}
         self._lock = threading.Lock()
@@ -96,7 +107,7 @@ class Page:
         if not self._is_own(client):
             _log.warning("a page of another site was refused")
             return
-        session = Session(client, self.state, self._runner, self.folder)
+        session = Session(client, self.state, self._runner, self.folder, self._commanded)
         with self._lock:
             self._sessions[client.client_id] = session
 

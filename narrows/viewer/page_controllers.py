@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 import time as clock
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,19 +27,33 @@ if TYPE_CHECKING:
     from narrows.simulation.drivers import Driver
     from narrows.simulation.simulator import SimulationOptions
 
-NAVIGATOR, ASSISTANT, ALONE = "navigator", "assistant", "driver alone"
-CONTROLLERS = (NAVIGATOR, ASSISTANT, ALONE)
-"""Who drives by what it perceives; the last two have a driver."""
+ZONE, ASSISTANT, ALONE = "zone navigator", "assistant", "driver alone"
+CONTROLLERS = (ZONE, ASSISTANT, ALONE)
+"""Who drives by what it perceives, without a plan to keep to; the last two have a driver."""
 
 BY_HAND = "joystick of this page"
 _PERIOD = 0.05  # s, of the assistant
 _REACH = 2.5  # m, of the map about the chair
-_UNSEEN = 0.4  # m/s into what the wheels hide from the scanners
+_CELL = 0.02  # m
 _BAND = (0.025, 0.3)  # m: the scanners' height lies in the one band there is
 _NAVIGATED = 90.0  # s: longest drive of the navigator
 _DRIVEN = 90.0  # s: longest drive of a person
 _ROUTE = 0.4  # m between the corners of a driver's way
 _THERE = 0.35  # m from the goal: a person has arrived
+
+
+@dataclass(frozen=True)
+class CommandControllers:
+    """The controllers of `narrows drive`, handed in from above.
+
+    Attributes:
+        names: Their names.
+        make: Called with a name, a scene, a motion and `tracker`; returns the controller with its
+            senses and options. A function at the top of a module.
+    """
+
+    names: tuple[str, ...] = ()
+    make: Callable[..., Any] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,6 +88,7 @@ def drive_controller(
     who: str,
     driver: str,
     protected: Protected | None,
+    commanded: CommandControllers | None = None,
 ) -> Drive:
     """Return a drive by what is perceived.
 
@@ -80,19 +96,36 @@ def drive_controller(
         report: Told the share of the time, and with `BY_HAND` the pose as it is.
         scene: The scene.
         plan: Its plan, the way a driver has in mind; None: planned first.
-        who: One of `CONTROLLERS`.
+        who: One of `CONTROLLERS`, or of those of the command line.
         driver: One of `driver_names()`, for those that have one.
         protected: Safety regions of an earlier drive.
+        commanded: Those of the command line; they keep to a plan.
 
     Raises:
         InputError: If there is nobody of that name, or a driver has no way to go.
     """
-    if who == NAVIGATOR:
+    if commanded is not None and commanded.make is not None and who in commanded.names:
+        return _commanded(report, scene, who, commanded.make)
+    if who == ZONE:
         return _navigated(report, scene)
     if who in (ASSISTANT, ALONE):
         return _assisted(report, scene, plan, driver, protected, alone=who == ALONE)
     allowed = ", ".join(CONTROLLERS)
     raise InputError("there is no such controller", value=who, allowed=allowed)
+
+
+def _commanded(report: Report, scene: Scene, who: str, make: Callable[..., Any]) -> Drive:
+    """Return a drive of a plan that reckons with nobody who moves, as `narrows drive` makes it."""
+    from narrows.tracking.registry import tracker_names
+
+    plan = plan_scene(report, replace(scene, world=replace(scene.world, moving=())))
+    if plan.trajectory is None:
+        return Drive(plan)
+    fitted = make(who, scene, plan.trajectory, tracker=tracker_names()[0])
+    watched = Watched(fitted.senses)
+    before = Drive(plan, reference=plan.trajectory)
+    drive = _judged(report, scene, fitted.controller, watched, fitted.options, before)
+    return replace(drive, who=who)
 
 
 def _navigated(report: Report, scene: Scene) -> Drive:
@@ -109,7 +142,7 @@ def _navigated(report: Report, scene: Scene) -> Drive:
     watched.outline = outline
     limits = SimulationOptions(time_limit=_NAVIGATED)
     drive = _judged(report, scene, _Told(navigator, speed), watched, limits, Drive(None))
-    return Drive(None, drive.record, drive.judgement, drive.clearance, drive.moments, NAVIGATOR)
+    return replace(drive, who=ZONE)
 
 
 def scanners(scene: Scene) -> ChairSenses:
@@ -122,7 +155,7 @@ def scanners(scene: Scene) -> ChairSenses:
     manners = LaserManners(beams=271)
     both = front_and_rear(scene.vehicle, manners=manners)
     fitted = [FittedLaser(one, Schedule()) for one in both]
-    options = MapOptions(side=2.0 * _REACH, bands=_BAND)
+    options = MapOptions(side=2.0 * _REACH, cell=_CELL, bands=_BAND)
     return ChairSenses(scene, fitted, options=options, reach=_REACH)
 
 
@@ -159,8 +192,10 @@ def _assisted(
 ) -> Drive:
     from narrows.reactive.assistant import Assistant
     from narrows.reactive.assistant_options import AssistantOptions
+    from narrows.reactive.door_blend import DoorBlend
     from narrows.reactive.smooth_motion import MotionLimits, SmoothMotion
-    from narrows.simulation.assisted_driving import AssistedDriving, Seat
+    from narrows.simulation.assisted_driving import AssistedDriving, Seat, UnknownIsFree
+    from narrows.simulation.assisted_driving_doors import CertifiedDoorPaths, DoorSense
     from narrows.simulation.driver_sticks import make_stick
     from narrows.simulation.localisation import EncoderOdometry
     from narrows.simulation.simulator import SimulationOptions
@@ -168,28 +203,28 @@ def _assisted(
     limits = MotionLimits.of(scene.vehicle)
     stick = make_stick("joystick", limits)
     plan, driver = _seated(report, scene, plan, name, stick)
-    speed, watched = _Speed(), Watched(scanners(scene))
+    chair = scanners(scene)
+    speed, watched, doors = _Speed(), Watched(chair), None
     mover: Assistant | SmoothMotion = SmoothMotion(limits, period=_PERIOD)
     if not alone:
         protected = _protected(report, scene.vehicle, protected)
         regions = protected.regions
-        mover = Assistant(
-            scene.vehicle, regions, AssistantOptions(period=_PERIOD, unknown_speed=_UNSEEN)
-        )
+        doors, blend = DoorSense(chair), DoorBlend(CertifiedDoorPaths(scene.vehicle))
+        options = AssistantOptions(period=_PERIOD)
+        mover = Assistant(scene.vehicle, regions, options, door_blend=blend)
 
         def outline(percept: Percept) -> tuple[Array, ...]:
             return region_outline(regions, speed.value, speed.rate)
 
         watched.outline = outline
-    seat = Seat(watched)
-    controller = _Told(AssistedDriving(driver, stick, seat, mover), speed)
-    options = SimulationOptions(
+    seat = Seat(UnknownIsFree(watched))
+    controller = _Told(AssistedDriving(driver, stick, seat, mover, doors=doors), speed)
+    simulated = SimulationOptions(
         localisation=EncoderOdometry(), step=0.025, period=_PERIOD, time_limit=_DRIVEN
     )
     whose = f"{ALONE if alone else ASSISTANT}, {name}"
-    drive = _judged(report, scene, controller, watched, options, Drive(plan), senses=seat)
-    kept = (drive.record, drive.judgement, drive.clearance, drive.moments)
-    return Drive(plan, *kept, whose, protected)
+    drive = _judged(report, scene, controller, watched, simulated, Drive(plan), senses=seat)
+    return replace(drive, who=whose, protected=protected)
 
 
 def _judged(
@@ -208,11 +243,17 @@ def _judged(
         scene,
         controller,
         senses=watched if senses is None else senses,
+        reference=before.reference,
         options=options,
         report=report,
     )
-    near = distances(scene, record.poses)
-    return Drive(before.plan, record, judge(scene, record), near, tuple(watched.moments))
+    return replace(
+        before,
+        record=record,
+        judgement=judge(scene, record),
+        clearance=distances(scene, record.poses),
+        moments=tuple(watched.moments),
+    )
 
 
 def _protected(report: Report, vehicle: Vehicle, before: Protected | None) -> Protected:

@@ -17,18 +17,24 @@ class DrivePanel:
     """The choice of who drives, the button, and the stick while the page is driven by hand."""
 
     def __init__(
-        self, gui: GuiApi, guard: Guard, drive: Callable[[Any], None], tell: Callable[[Any], None]
+        self,
+        gui: GuiApi,
+        guard: Guard,
+        commanded: tuple[str, ...],
+        drive: Callable[[Any], None],
+        tell: Callable[[Any], None],
     ) -> None:
         """Add them.
 
         Args:
             gui: The page.
             guard: Makes callbacks wait for each other.
+            commanded: Names of the command line's controllers.
             drive: Called when somebody presses the button.
             tell: Called with the stick (forward, left), each -1 to 1, or with `stop`.
         """
         self._tell = tell
-        names = (*tracker_names(), *CONTROLLERS)
+        names = (*tracker_names(), *commanded, *CONTROLLERS)
         self.choice = gui.add_dropdown("who drives", names, hint="Trackers follow the plan")
         self.choice.on_update(self._chosen)
         self.person = gui.add_dropdown("driver", driver_names(), visible=False)

@@ -13,10 +13,11 @@ from viser import ClientHandle
 
 from narrows.interfaces import Plan, PlanStatus
 from narrows.se2 import Array
+from narrows.tracking.registry import tracker_names
 
 from . import page_work
 from .page_chair import ChairPanel
-from .page_controllers import CONTROLLERS, Protected, drive_controller
+from .page_controllers import CommandControllers, Protected, drive_controller
 from .page_drag import Dragging
 from .page_drawing import SceneDrawing, camera, nearest_place, spread, thinned
 from .page_drive import DrivePanel
@@ -38,7 +39,12 @@ class Session:
     """What one browser tab shows and is asked; every callback holds the session's lock."""
 
     def __init__(
-        self, client: ClientHandle, state: SceneState, runner: JobRunner, folder: Path
+        self,
+        client: ClientHandle,
+        state: SceneState,
+        runner: JobRunner,
+        folder: Path,
+        commanded: CommandControllers,
     ) -> None:
         """Build the page for a client."""
         self.client = client
@@ -46,6 +52,7 @@ class Session:
         self.plan: Plan | None = None
         self.drive: page_work.Drive | None = None
         self._runner = runner
+        self._commanded = commanded
         self._guard = Guard()
         self._job: Job | None = None
         self._asked = 0
@@ -73,7 +80,11 @@ class Session:
         tabs = gui.add_tab_group()
         with tabs.add_tab("Drive"):
             self.driving = DrivePanel(
-                gui, self._guard, self._locked(self.ask_drive), self._tell_driver
+                gui,
+                self._guard,
+                self._commanded.names,
+                self._locked(self.ask_drive),
+                self._tell_driver,
             )
             self.playback = Playback(gui, self._show_motion)
             self.layers = Layers(gui, self.client.scene)
@@ -126,11 +137,11 @@ class Session:
         """Drive the plan; plan first if there is none."""
         if self._usable():
             scene, who = self.state.scene, self.driving.who
-            if who not in CONTROLLERS:
+            if who in tracker_names():
                 given = (scene, self.plan, who)
                 self._ask("driving", page_work.drive_scene, given, self._driven)
                 return
-            told = (scene, self.plan, who, self.driving.driver, self._protected)
+            told = (scene, self.plan, who, self.driving.driver, self._protected, self._commanded)
             self._ask("driving", drive_controller, told, self._driven)
             if self.driving.by_hand:
                 self.driving.hold_stick(on=True)

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from narrows.planners.passage import Verdict
     from narrows.simulation.judge import Judgement
     from narrows.simulation.record import Record
+    from narrows.trajectory import Trajectory
 
     from .page_controllers import Protected
     from .page_senses import Moment
@@ -41,6 +42,7 @@ class Drive:
         moments: What was known on the way, for those who drive by what they perceive.
         who: Who drove.
         protected: Safety regions computed for it, for the next drive of the same chair.
+        reference: What a controller was to keep to, or None.
     """
 
     plan: Plan | None
@@ -50,6 +52,7 @@ class Drive:
     moments: tuple[Moment, ...] = ()
     who: str = ""
     protected: Protected | None = None
+    reference: Trajectory | None = None
 
 
 def plan_scene(report: Report, scene: Scene) -> Plan:

@@ -5,6 +5,7 @@ import time
 import numpy as np
 import pytest
 
+from narrows.commands.controllers import controller_names, make_controller
 from narrows.errors import InputError
 from narrows.interfaces import PlanStatus
 from narrows.scene import Goal, Scene, load_scene, load_vehicle
@@ -12,7 +13,8 @@ from narrows.viewer.page_controllers import (
     ALONE,
     BY_HAND,
     CONTROLLERS,
-    NAVIGATOR,
+    ZONE,
+    CommandControllers,
     PageDriver,
     chair_key,
     drive_controller,
@@ -50,7 +52,7 @@ class Hand(Report):
 
 @pytest.mark.slow
 def test_the_navigator_drives_and_what_it_knew_is_kept():
-    drive = drive_controller(Report(), open_floor(), None, NAVIGATOR, "", None)
+    drive = drive_controller(Report(), open_floor(), None, ZONE, "", None)
     assert not drive.judgement.contacts
     assert drive.record.poses[-1, 0] == pytest.approx(2.0, abs=0.2)
     motion = driven_motion(drive)
@@ -62,6 +64,16 @@ def test_the_navigator_drives_and_what_it_knew_is_kept():
     near = np.hypot(seen.points[:, 0] - 1.0, seen.points[:, 1] - 1.4)
     assert len(near)
     assert near.max() < 0.2
+
+
+@pytest.mark.slow
+def test_the_navigator_of_the_command_line_keeps_to_the_plan():
+    commanded = CommandControllers(controller_names(), make_controller)
+    scene = load_scene("examples/scenes/door.yaml")
+    drive = drive_controller(Report(), scene, None, "navigator", "", None, commanded)
+    assert drive.judgement.reached
+    assert drive.record.has_reference
+    assert drive.moments
 
 
 @pytest.mark.slow
@@ -107,7 +119,7 @@ def test_nobody_of_that_name_is_an_error():
     with pytest.raises(InputError, match="no such driver"):
         drive_controller(Report(), open_floor(), None, ALONE, "nobody", None)
     assert BY_HAND in driver_names()
-    assert NAVIGATOR in CONTROLLERS
+    assert ZONE in CONTROLLERS
 
 
 def test_safety_regions_are_another_chair_s_when_a_limit_differs():
