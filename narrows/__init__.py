@@ -25,11 +25,17 @@ if TYPE_CHECKING:
         TrajectoryError,
     )
     from .formats import read_trajectory, write_trajectory
-    from .interfaces import Plan, Planner, PlanStatus, Tracker
+    from .interfaces import Controller, Percept, Plan, Planner, PlanStatus, Tracker
     from .limit_check import LimitCheck, check_limits
     from .path import Path
+    from .perception.obstacle_map import ObstacleMap
+    from .perception.ranges import LaserScan
     from .planners import plan
     from .planners.passage import Verdict, passable
+    from .reactive.assistant import Assistant
+    from .reactive.navigator import Navigator
+    from .reactive.navigator_tracking import GuardedTracker
+    from .reactive.safety_regions import SafetyRegions
     from .scene import (
         Goal,
         Scene,
@@ -40,6 +46,14 @@ if TYPE_CHECKING:
         vehicle_names,
         write_scene,
     )
+    from .simulation.judge import Judgement, judge
+    from .simulation.record import Record
+    from .simulation.senses import IdealSenses
+    from .simulation.simulator import simulate
+    from .tracking.linearizing import LinearizingTracker
+    from .tracking.lookahead import LookaheadTracker
+    from .tracking.predictive import PredictiveTracker
+    from .tracking.virtual_target import VirtualTargetTracker
     from .trajectory import Trajectory
     from .vehicle import Layer, Limits, Vehicle
     from .verification import Verification, verify
@@ -58,11 +72,17 @@ _MODULES = {
         "TrajectoryError",
     ),
     "formats": ("read_trajectory", "write_trajectory"),
-    "interfaces": ("Plan", "PlanStatus", "Planner", "Tracker"),
+    "interfaces": ("Controller", "Percept", "Plan", "PlanStatus", "Planner", "Tracker"),
     "limit_check": ("LimitCheck", "check_limits"),
     "path": ("Path",),
+    "perception.obstacle_map": ("ObstacleMap",),
+    "perception.ranges": ("LaserScan",),
     "planners": ("plan",),
     "planners.passage": ("Verdict", "passable"),
+    "reactive.assistant": ("Assistant",),
+    "reactive.navigator": ("Navigator",),
+    "reactive.navigator_tracking": ("GuardedTracker",),
+    "reactive.safety_regions": ("SafetyRegions",),
     "scene": (
         "Goal",
         "Scene",
@@ -73,6 +93,14 @@ _MODULES = {
         "vehicle_names",
         "write_scene",
     ),
+    "simulation.judge": ("Judgement", "judge"),
+    "simulation.record": ("Record",),
+    "simulation.senses": ("IdealSenses",),
+    "simulation.simulator": ("simulate",),
+    "tracking.linearizing": ("LinearizingTracker",),
+    "tracking.lookahead": ("LookaheadTracker",),
+    "tracking.predictive": ("PredictiveTracker",),
+    "tracking.virtual_target": ("VirtualTargetTracker",),
     "trajectory": ("Trajectory",),
     "vehicle": ("Layer", "Limits", "Vehicle"),
     "verification": ("Verification", "verify"),
