@@ -73,15 +73,16 @@ class Certificate:
         """What was found, for people."""
         _, x, y = self.at
         where = f"at ({x:.2f}, {y:.2f})"
+        solid = self.against or "a solid"
         if self.attained <= 0.0:
-            return f"the body cuts {-1e3 * self.attained:.0f} mm into {self.against} {where}"
+            return f"the body cuts {-1e3 * self.attained:.0f} mm into {solid} {where}"
         if self.inside < -_BOUNDS_SLACK:
             return f"the body leaves the world's bounds by {-1e3 * self.inside:.0f} mm"
         if self.clearance <= 0.0:
-            return f"contact with {self.against} {where} could not be excluded"
+            return f"contact with {solid} {where} could not be excluded"
         if math.isinf(self.clearance):
             return "there is nothing to touch"
-        return f"clear by {1e3 * self.clearance:.1f} mm, least against {self.against} {where}"
+        return f"clear by {1e3 * self.clearance:.1f} mm, least against {solid} {where}"
 
 
 def certify(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from itertools import pairwise
 
 import numpy as np
@@ -15,6 +16,7 @@ from narrows.world import Door
 
 _LEG = 0.45  # of the distance between two poses: a cubic's leg that bends gently
 _SHORTEST = 0.05  # m: shortest leg a guess begins with
+_ONE_PLACE = 0.01  # m: what is nearer is no curve but a turn, and left to the search
 
 
 def direction_of(heading: float) -> Array:
@@ -61,7 +63,7 @@ def forward_guesses(scene: Scene) -> list[tuple[str, Path]]:
     """Return forward curves worth trying before any search.
 
     Through known doors; where there are none, one arc round a corner (`arc_guess`), and straight
-    on.
+    on, unless start and goal are one place.
     """
     guesses = [
         (
@@ -77,4 +79,6 @@ def forward_guesses(scene: Scene) -> list[tuple[str, Path]]:
     arc = arc_guess(scene)
     if arc is not None:
         guesses.append(("one arc", arc))
-    return [*guesses, ("straight on", curve_through([scene.start, scene.goal.pose]))]
+    if math.dist(scene.start[:2], scene.goal.pose[:2]) > _ONE_PLACE:
+        guesses.append(("straight on", curve_through([scene.start, scene.goal.pose])))
+    return guesses

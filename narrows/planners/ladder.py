@@ -7,10 +7,13 @@ import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from narrows.errors import InputError
 from narrows.interfaces import Plan, Planner, PlanStatus
 from narrows.path import Path
 from narrows.scene import Scene
+from narrows.se2 import compose, invert, wrap
 
 from .guess import forward_guesses
 from .manoeuvre import Candidate, ManoeuvreOptions, best_candidates, plan_of
@@ -18,6 +21,7 @@ from .manoeuvre import Candidate, ManoeuvreOptions, best_candidates, plan_of
 TIME_BUDGET = 5.0
 """CPU time after which no further start is tried [s]."""
 
+_NOTHING = 1e-6  # m, rad: no motion of a chair
 _SEARCHED = 2  # manoeuvres of the search that are made smooth
 _PROOF_BUDGET = 3.0  # s of CPU time for the verdict of `passable`
 
@@ -69,8 +73,16 @@ def plan(scene: Scene, *, planner: str = "auto", time_budget: float = TIME_BUDGE
         time_budget: CPU time after which no further start is tried [s].
 
     Raises:
-        InputError: If there is no planner of that name.
+        InputError: If there is no planner of that name, or the start is the goal.
     """
+    off = compose(invert(scene.start), scene.goal.pose)
+    if np.abs(np.append(off[:2], wrap(off[2]))).max() < _NOTHING:
+        raise InputError(
+            "the chair stands at its goal: there is nothing to drive",
+            field="goal",
+            value=scene.goal.pose.tolist(),
+            allowed="another pose than the start",
+        )
     if planner == "auto":
         return _Ladder(scene, time_budget).climb()
     if planner not in RUNGS:

@@ -67,8 +67,8 @@ class Candidate:
 
 
 def segments_for(path: Path) -> int:
-    """Return how many cubic pieces the longest section of a path wants."""
-    longest = max(section.span for section in path.sections if section.direction != 0)
+    """Return how many cubic pieces the longest section of a path without turns wants."""
+    longest = max(section.span for section in path.sections)
     wanted = math.ceil(longest / _PIECE)
     sizes = _SEGMENTS.get(len(path.sections), (6,))
     return next((size for size in sizes if size >= wanted), sizes[-1])
@@ -93,6 +93,8 @@ def refine(scene: Scene, name: str, guess: Path, options: ManoeuvreOptions) -> C
     Raises:
         ShapeError: If the guess turns on the spot.
     """
+    if any(section.direction == 0 for section in guess.sections):
+        raise ShapeError("a guess that turns on the spot cannot be made smooth")
     segments = segments_for(guess)
     is_tight = through_tight_door(scene)
     if is_tight:
@@ -163,9 +165,8 @@ def plan_of(scene: Scene, candidates: list[Candidate], begun: float) -> Plan:
     """
     refusals = []
     for candidate in candidates:
-        sharpest = candidate.refined.path.max_curvature
-        if sharpest > _TOO_SHARP:
-            refusals.append(f"{candidate.name}: the curve found folds over ({sharpest:.0f} 1/m)")
+        if candidate.refined.path.max_curvature > _TOO_SHARP:
+            refusals.append(f"{candidate.name}: the curve found folds over")
             continue
         plan = finished_plan(
             scene,

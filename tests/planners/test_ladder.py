@@ -1,5 +1,6 @@
 """The ladder: which rung answers, what it says, and that a name is a rung."""
 
+import math
 from dataclasses import replace
 
 import pytest
@@ -75,6 +76,22 @@ def walled_in():
     """Return a scene whose goal is behind a wall without a door."""
     wall = Solid.polygon([[1.5, -2], [1.6, -2], [1.6, 2], [1.5, 2]], name="wall")
     return Scene(CHAIR, World((wall,), (-1, -2, 4, 2)), [0, 0, 0], Goal([3, 0, 0]))
+
+
+def test_a_chair_that_stands_at_its_goal_has_nothing_to_drive():
+    with pytest.raises(InputError, match="nothing to drive") as caught:
+        plan(Scene(CHAIR, World(), [1, 2, 0.5], Goal([1, 2, 0.5 + 2 * math.pi])))
+    assert caught.value.field == "goal"
+
+
+@pytest.mark.parametrize("heading", [math.pi / 2, math.pi, -2.0])
+def test_a_chair_that_may_turn_on_the_spot_turns_round_where_it_stands(heading):
+    chair = Vehicle.rectangle(1.0, 0.6, 0.25, limits=Limits(reverse_speed=0.0))
+    wall = Solid.polygon([(2, -2), (2.1, -2), (2.1, 2), (2, 2)])
+    found = plan(Scene(chair, World((wall,)), [0, 0, 0], Goal([0, 0, heading])))
+    assert found.status is PlanStatus.CERTIFIED, found.reason
+    assert found.path.length < 0.05
+    assert abs(math.remainder(found.path.goal[2] - heading, 2 * math.pi)) <= math.radians(3.0)
 
 
 def test_a_goal_behind_a_wall_is_proven_to_be_out_of_reach():
