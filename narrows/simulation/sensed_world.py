@@ -74,7 +74,7 @@ class SensedSpace:
         x_from, _, y_from, _ = chart.extent
         states = [chart.states(layer.z).T for layer in vehicle.layers]
         occupied = np.stack([state == Cell.OBSTACLE for state in states])
-        free = np.stack([state == Cell.FREE for state in states]).any(axis=0)
+        free = np.asarray(np.stack([state == Cell.FREE for state in states]).any(axis=0))
         reach = math.ceil(0.5 * _SPECK / chart.options.cell)
         closed = ndimage.binary_closing(free, _disc(reach))
         corner, cell = np.array([x_from, y_from]), chart.options.cell
@@ -119,8 +119,8 @@ class SensedSpace:
             corner = self.corner - self.cell  # of the pad
             low = found.rectangles[:, :2] * self.cell + corner
             high = found.rectangles[:, 2:] * self.cell + corner
-            corners = (low[:, 0], low[:, 1], high[:, 0], low[:, 1])
-            corners += (high[:, 0], high[:, 1], low[:, 0], high[:, 1])
+            (left, below), (right, above) = low.T, high.T
+            corners = [left, below, right, below, right, above, left, above]
             parts = np.stack(corners, axis=1).reshape(-1, 4, 2)
             for k, outline in enumerate(found.outlines):
                 shape = shapely.transform(outline, self._to_world(1))

@@ -50,8 +50,9 @@ class Drive:
 
 def drive_through_a_door(steps: int = 60) -> Drive:
     """Return a drive along a corridor, past a door of 0.9 m."""
-    boxes = ((-2, -0.1, 6, 0), (-2, 1.6, 2, 1.7), (2.9, 1.6, 6, 1.7), (0, 5, 5, 5.1))
-    boxes += ((0, 1.7, 0.1, 5), (5, 1.7, 5.1, 5), (6, -0.1, 6.1, 1.7), (-2.1, -0.1, -2, 1.7))
+    boxes: list[tuple[float, float, float, float]]
+    boxes = [(-2, -0.1, 6, 0), (-2, 1.6, 2, 1.7), (2.9, 1.6, 6, 1.7), (0, 5, 5, 5.1)]
+    boxes += [(0, 1.7, 0.1, 5), (5, 1.7, 5.1, 5), (6, -0.1, 6.1, 1.7), (-2.1, -0.1, -2, 1.7)]
     walls = [Solid.polygon([[a, b], [c, b], [c, d], [a, d]]) for a, b, c, d in boxes]
     legs = [Solid.circle(x, y, 0.03, z=(0.0, 0.7)) for x in (2.0, 3.2) for y in (3.2, 4.0)]
     x = np.linspace(-1.0, 2.0, steps)
@@ -67,20 +68,20 @@ def measure_map_and_openings(rng: np.random.Generator) -> dict[str, Any]:
     chart = ObstacleMap(vehicle=drive.vehicle, pose=drive.poses[0])
     spent: dict[str, list[float]] = {}
 
-    def timed(name: str, function: Callable[[], Any]) -> Any:
+    def timed(name: str, function: Callable[..., Any], *given: Any) -> Any:
         begin = time.process_time_ns()
-        result = function()
+        result = function(*given)
         spent.setdefault(name, []).append((time.process_time_ns() - begin) / 1e6)
         return result
 
     widths: list[float] = []
     for step, pose in enumerate(drive.poses):
-        timed("move_ms", lambda pose=pose: chart.move_to(pose))
+        timed("move_ms", chart.move_to, pose)
         for scanner in scanners:
             scan = scanner.measure(sensed, pose, step * _PERIOD, rng=rng)
-            timed("scan_ms", lambda scan=scan: chart.add_scan(scan))
-            doors = timed("doors_ms", lambda scan=scan: find_doors(scan))
-            timed("corridor_ms", lambda scan=scan: find_corridor(scan))
+            timed("scan_ms", chart.add_scan, scan)
+            doors = timed("doors_ms", find_doors, scan)
+            timed("corridor_ms", find_corridor, scan)
             widths += [door.width for door in doors if abs(door.width - 0.9) < 0.2]
         timed("percept_ms", chart.percept)
         timed("map_doors_ms", lambda: find_doors(scan_of_map(chart)))
