@@ -22,7 +22,7 @@ from ..vehicle import Vehicle
 from ..world import Door
 from .depth_sensor import DepthSensor, kinect
 from .laser import LaserManners, on_corners
-from .sensed_world import SensedSpace
+from .sensed_space import SensedSpace
 from .surfaces import SensedWorld
 
 _SAME_DOOR = 0.5  # m: doors nearer to each other are one

@@ -27,7 +27,7 @@ from ..trajectory import Trajectory
 from ..verification import verify
 from ..world import World
 from .lookout import LookOptions, Lookout
-from .sensed_world import SensedSpace
+from .sensed_space import SensedSpace
 
 PLANNER = "sensed"
 _WIDER = 2.0  # cells: by that much more a way that leads into the unknown keeps its distance
