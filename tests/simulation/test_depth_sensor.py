@@ -54,13 +54,13 @@ def test_every_pixel_agrees_with_a_ray_cast_by_itself(seed, plain):
         *rng.uniform(-3.1, 3.1, 2),
     )
     lens = Intrinsics.from_field_of_view(*rng.uniform(0.4, 2.2, 2), 17, 13)
-    sensed_space, camera = SensedWorld(world), sensor(DepthCamera(lens, mounting))
+    sensed_world, camera = SensedWorld(world), sensor(DepthCamera(lens, mounting))
     pose = np.array([rng.uniform(-1.0, 5.5), rng.uniform(-3.0, 3.0), rng.uniform(-9.0, 9.0)])
     x, y = transform(pose, mounting.position[None, :2])[0]
     if not plain.is_outside(world, x, y, time):
         pose = np.array([-2.0, 0.0, rng.uniform(-0.5, 0.5)])  # before all of it
         x, y = transform(pose, mounting.position[None, :2])[0]
-    inverse = camera.inverse_depth(sensed_space, pose, time)
+    inverse = camera.inverse_depth(sensed_world, pose, time)
     c, s = math.cos(pose[2]), math.sin(pose[2])
     for v in range(lens.height):
         for u in range(lens.width):
