@@ -31,4 +31,4 @@ was too old to be trusted at all; the chair brakes then, and this is its braking
 PEOPLE = """Meetings that ended in a touch while the chair moved. The driver pushes the stick
 forward and never looks; somebody gets in the way of the chair at 0.8 m/s, at 0.5 to 1.4 m/s. The
 safety regions know nothing of motion: who walks at a chair is touched while it still brakes if
-they come from near enough; the chair alone would hit all of them at full speed."""
+they come from near enough."""
