@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import math
 import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
@@ -14,13 +15,16 @@ from narrows.interfaces import Plan, Planner, PlanStatus
 from narrows.path import Path
 from narrows.scene import Scene
 from narrows.se2 import compose, invert, wrap
+from narrows.vehicle import Vehicle
 
+from .finish import CERTIFICATE_TOLERANCE
 from .guess import forward_guesses
 from .manoeuvre import Candidate, ManoeuvreOptions, best_candidates, plan_of
 
 TIME_BUDGET = 5.0
 """CPU time after which no further start is tried [s]."""
 
+_ROLLING = 2.5  # 1/m: bends of a chair that may turn on the spot but need not
 _NOTHING = 1e-6  # m, rad: no motion of a chair
 _SEARCHED = 2  # manoeuvres of the search that are made smooth
 _PROOF_BUDGET = 3.0  # s of CPU time for the verdict of `passable`
@@ -123,11 +127,13 @@ class _Ladder:
                 return self._impassable()
         searched = self._refined(self._searched())
         best = plan_of(self.scene, self._merged(first, searched), self.begun)
-        if best.status is PlanStatus.CERTIFIED:
+        if best.status is PlanStatus.CERTIFIED and not self.scene.vehicle.may_turn_on_the_spot:
             return best
         unsmoothed = self._unsmoothed()
         if unsmoothed is not None:
-            return unsmoothed
+            return min(best, unsmoothed, key=self._merit)
+        if best.status is PlanStatus.CERTIFIED:
+            return best
         if verdict is not None:
             best = replace(best, reason=f"{best.reason}; {verdict.reason}")
         return best
@@ -136,7 +142,7 @@ class _Ladder:
         """Return a way of the search as it is, stopping where it bends, if one is certified."""
         from .search import SearchPlanner
 
-        if not self.rough:
+        if not self.rough and not self.scene.vehicle.may_turn_on_the_spot:
             return None
         plan = SearchPlanner().plan(self.scene)
         if plan.status is not PlanStatus.CERTIFIED:
@@ -148,22 +154,39 @@ class _Ladder:
             statistics=figures,
         )
 
+    def _merit(self, plan: Plan) -> tuple[bool, float]:
+        """Return what is less for the better of two certified plans: margin lost, then time."""
+        if plan.certificate is None or plan.trajectory is None:
+            return True, math.inf
+        lost = self.scene.margin - plan.certificate.clearance > CERTIFICATE_TOLERANCE
+        return lost, plan.trajectory.duration
+
     def _refined(self, guesses: Iterable[tuple[str, Path]]) -> list[Candidate]:
         return best_candidates(self.scene, guesses, self.options, self.begun + self.time_budget)
 
     def _searched(self) -> Iterable[tuple[str, Path]]:
-        """Yield rough manoeuvres from the search, the cheapest first."""
+        """Yield rough manoeuvres from searches, those first that can best be made smooth."""
         from .search import SearchPlanner
 
-        planner, scene = SearchPlanner(), self.scene
-        if scene.vehicle.limits.reverse_speed > 0.0:
-            forward = replace(scene, vehicle=scene.vehicle.with_limits(reverse_speed=0.0))
-            for k, found in enumerate(planner.search_many(forward, _SEARCHED)):
+        planner = SearchPlanner()
+        for search, vehicle in self._searches():
+            for k, found in enumerate(
+                planner.search_many(replace(self.scene, vehicle=vehicle), _SEARCHED)
+            ):
                 self.rough.append(found.path)
-                yield f"manoeuvre {k + 1} of the forward search", found.path
-        for k, found in enumerate(planner.search_many(scene, _SEARCHED)):
-            self.rough.append(found.path)
-            yield f"manoeuvre {k + 1} of the search", found.path
+                yield f"manoeuvre {k + 1} of the {search}", found.path
+
+    def _searches(self) -> Iterable[tuple[str, Vehicle]]:
+        """Yield chairs to search with: rolling forward, reversing too, turning on the spot too."""
+        vehicle = self.scene.vehicle
+        rolling = vehicle
+        if vehicle.may_turn_on_the_spot:
+            rolling = vehicle.with_limits(curvature=_ROLLING)
+        if vehicle.limits.reverse_speed > 0.0:
+            yield "forward search", rolling.with_limits(reverse_speed=0.0)
+        yield "search", rolling
+        if vehicle.may_turn_on_the_spot:
+            yield "search with turns", vehicle
 
     def _merged(self, *groups: list[Candidate]) -> list[Candidate]:
         every = [candidate for group in groups for candidate in group]

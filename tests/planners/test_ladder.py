@@ -2,18 +2,20 @@
 
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
 from narrows.errors import InputError
 from narrows.interfaces import PlanStatus
 from narrows.planners.ladder import RUNGS, plan
-from narrows.scene import Goal, Scene
+from narrows.scene import Goal, Scene, load_scene
 from narrows.studies.doorbench_generator import doorbench_rows
 from narrows.studies.doorbench_scenes import doorbench_scene
 from narrows.vehicle import Limits, Vehicle
 from narrows.world import Solid, World
 
+EXAMPLES = Path(__file__).parents[2] / "examples" / "scenes"
 DOORS = {row["id"]: row for row in doorbench_rows(per_level=2, seed=8)}
 CHAIR = Vehicle.rectangle(1.0, 0.6, 0.25, limits=Limits(curvature=2.5, reverse_speed=0.0))
 
@@ -92,6 +94,15 @@ def test_a_chair_that_may_turn_on_the_spot_turns_round_where_it_stands(heading):
     assert found.status is PlanStatus.CERTIFIED, found.reason
     assert found.path.length < 0.05
     assert abs(math.remainder(found.path.goal[2] - heading, 2 * math.pi)) <= math.radians(3.0)
+
+
+@pytest.mark.slow
+def test_a_chair_that_may_turn_on_the_spot_rolls_through_rooms_all_the_same():
+    found = plan(load_scene(EXAMPLES / "course.yaml"))
+    assert found.status is PlanStatus.CERTIFIED, found.reason
+    assert found.planner == "manoeuvre"
+    assert found.certificate.clearance >= 0.02
+    assert found.path.length / found.trajectory.duration > 0.5  # m/s on average: no stops
 
 
 def test_a_goal_behind_a_wall_is_proven_to_be_out_of_reach():
