@@ -144,6 +144,7 @@ def verify_command(scene: str, trajectory: str, picture: str | None, as_json: bo
         "narrows drive examples/scenes/door.yaml --save-trajectory door.csv --record drive.csv",
         "narrows drive examples/scenes/door.yaml --trajectory door.csv --json",
         "narrows drive examples/scenes/somebody-in-the-door.yaml --controller navigator",
+        "narrows drive examples/scenes/course.yaml --controller assistant --driver hasty",
     ),
 )
 @_SCENE
@@ -157,7 +158,15 @@ def verify_command(scene: str, trajectory: str, picture: str | None, as_json: bo
 @click.option(
     "--controller",
     metavar="NAME",
-    help="Who watches: navigator guards the tracker, stops and waits. Default: nobody.",
+    help="Who watches: navigator guards the tracker, stops and waits; assistant helps a driver who "
+    "has the plan's way in mind. Default: nobody.",
+)
+@click.option("--driver", metavar="NAME", help="Who drives with the assistant. Default: steady.")
+@click.option(
+    "--regions",
+    type=click.Path(),
+    metavar="FILE",
+    help="The chair's safety regions: read, or computed and written, .npz.",
 )
 @_PLANNER
 @click.option(
@@ -173,6 +182,8 @@ def drive_command(
     scene: str,
     tracker: str,
     controller: str | None,
+    driver: str | None,
+    regions: str | None,
     planner: str,
     trajectory: str | None,
     save_trajectory: str | None,
@@ -189,6 +200,8 @@ def drive_command(
             scene,
             tracker=tracker,
             controller=controller,
+            driver=driver,
+            regions=regions,
             planner=planner,
             given=trajectory,
             files=files,

@@ -10,6 +10,7 @@ from narrows.cli import run
 from narrows.commands.controllers import controller_names, make_controller
 from narrows.errors import InputError
 from narrows.path import Path as DrivenPath
+from narrows.reactive.safety_regions import RegionOptions, SafetyRegions
 from narrows.scene import load_scene
 from narrows.simulation.record import read_record
 
@@ -53,3 +54,43 @@ def test_controllers_are_made_by_name():
     assert fitted.outcome() == "on its way"
     with pytest.raises(InputError, match="no such controller"):
         make_controller("nobody", scene, path, tracker="linearizing")
+
+
+@pytest.fixture(scope="module")
+def regions(tmp_path_factory):
+    """Safety regions of the scene's chair, coarse ones that are computed soon."""
+    scene = load_scene(SCENES / "narrow-door.yaml")
+    options = RegionOptions(directions=120, levels=16, cell=0.04)
+    file = tmp_path_factory.mktemp("regions") / "regions.npz"
+    SafetyRegions.compute(scene.vehicle, options).save(file)
+    return file
+
+
+@pytest.mark.slow
+def test_with_the_assistant_a_driver_touches_nothing(capsys, regions):
+    words = ["--controller", "assistant", "--driver", "hasty", "--regions", str(regions)]
+    run(["drive", str(SCENES / "narrow-door.yaml"), *words, "--json"])
+    figures = json.loads(capsys.readouterr().out)
+    assert figures["collisions"] == 0
+    assert figures["length_m"] > 1.0
+    assert figures["max_cross_track_error_m"] is None  # people follow no path
+
+
+def test_regions_of_another_chair_are_refused(capsys, regions):
+    words = ["--controller", "assistant", "--regions", str(regions)]
+    assert run(["drive", str(SCENES / "course.yaml"), *words]) == 2
+    assert str(regions) in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("option", ["--driver", "--regions"])
+def test_what_belongs_to_the_assistant_is_refused_without_it(capsys, option):
+    assert run(["drive", SOMEBODY, option, "x"]) == 2
+    assert f"{option} belongs to --controller assistant" in capsys.readouterr().err
+
+
+def test_an_unknown_driver_is_refused_with_the_known_ones(capsys, regions):
+    words = ["--controller", "assistant", "--driver", "nobody", "--regions", str(regions)]
+    assert run(["drive", str(SCENES / "narrow-door.yaml"), *words]) == 2
+    message = capsys.readouterr().err
+    assert "--driver" in message
+    assert "steady" in message

@@ -4,14 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from ..errors import InputError
+from ..files import check_can_be_written
 from ..interfaces import Controller
 from ..path import Path
 from ..scene import Scene
 from ..simulation.senses import Senses
 from ..simulation.simulator import SimulationOptions
 from ..trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from ..reactive.safety_regions import SafetyRegions
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,19 +31,39 @@ class Fitted:
         senses: What it perceives with.
         options: How its drive is simulated.
         outcome: Returns how it stands, for people; asked after the drive.
+        follows: Whether it follows the planned motion, so that errors to it can be measured.
     """
 
     controller: Controller
     senses: Senses
     options: SimulationOptions
     outcome: Callable[[], str]
+    follows: bool = True
 
 
-Maker = Callable[[Scene, Path | Trajectory, str], Fitted]
-"""Makes a controller for a scene, the planned motion and the name of a tracker."""
+@dataclass(frozen=True)
+class Wishes:
+    """What may be chosen of a controller; what does not belong to it is left alone.
+
+    Attributes:
+        tracker: Name of the tracker that is protected.
+        driver: Who sits in the chair.
+        regions: File of the chair's safety regions: read, or computed and written; None:
+            computed for this drive.
+        report: Called with the share of what must be computed before the drive.
+    """
+
+    tracker: str = "lookahead"
+    driver: str = "steady"
+    regions: str | None = None
+    report: Callable[[float], None] | None = None
 
 
-def _navigator(scene: Scene, motion: Path | Trajectory, tracker: str) -> Fitted:
+Maker = Callable[[Scene, Path | Trajectory, Wishes], Fitted]
+"""Makes a controller for a scene and the planned motion."""
+
+
+def _navigator(scene: Scene, motion: Path | Trajectory, wishes: Wishes) -> Fitted:
     from ..reactive.navigator_guard import GuardOptions
     from ..reactive.navigator_known import KnownSolids
     from ..reactive.navigator_tracking import GuardedTracker
@@ -54,7 +82,7 @@ def _navigator(scene: Scene, motion: Path | Trajectory, tracker: str) -> Fitted:
         period=options.period,
     )
     controller = GuardedTracker(
-        make_tracker(tracker, path, scene.vehicle),
+        make_tracker(wishes.tracker, path, scene.vehicle),
         scene.vehicle,
         guard,
         known=KnownSolids(scene.world),
@@ -62,7 +90,38 @@ def _navigator(scene: Scene, motion: Path | Trajectory, tracker: str) -> Fitted:
     return Fitted(controller, IdealSenses(scene.world), options, lambda: controller.reason)
 
 
-_MAKERS: dict[str, Maker] = {"navigator": _navigator}
+def _assistant(scene: Scene, motion: Path | Trajectory, wishes: Wishes) -> Fitted:
+    from ..simulation.assisted_chair import assisted_chair, hand_stick, scanners, scripted_driver
+
+    path = motion.path if isinstance(motion, Trajectory) else motion
+    stick = hand_stick(scene.vehicle)
+    driver = scripted_driver(scene, path, wishes.driver, stick, np.random.default_rng(0))
+    regions = _regions(scene, wishes)
+    chair = assisted_chair(scene, driver, stick, scanners(scene), regions=regions)
+
+    def outcome() -> str:
+        there = "where they wanted to be" if driver.finished else "still on their way"
+        return f"the {wishes.driver} driver is {there}"
+
+    return Fitted(chair.controller, chair.senses, chair.options, outcome, follows=False)
+
+
+def _regions(scene: Scene, wishes: Wishes) -> SafetyRegions:
+    """Return the chair's safety regions, from the file if it is there."""
+    from ..reactive.safety_regions import SafetyRegions
+    from ..simulation.assisted_chair import compute_regions
+
+    if wishes.regions is not None and FilePath(wishes.regions).exists():
+        return SafetyRegions.load(wishes.regions, scene.vehicle)
+    if wishes.regions is not None:
+        check_can_be_written(wishes.regions)
+    regions = compute_regions(scene.vehicle, wishes.report)
+    if wishes.regions is not None:
+        regions.save(wishes.regions)
+    return regions
+
+
+_MAKERS: dict[str, Maker] = {"navigator": _navigator, "assistant": _assistant}
 
 
 def controller_names() -> tuple[str, ...]:
@@ -85,17 +144,29 @@ def check_controller(name: str) -> None:
         )
 
 
-def make_controller(name: str, scene: Scene, motion: Path | Trajectory, *, tracker: str) -> Fitted:
+def make_controller(
+    name: str,
+    scene: Scene,
+    motion: Path | Trajectory,
+    *,
+    tracker: str = "lookahead",
+    driver: str = "steady",
+    regions: str | None = None,
+    report: Callable[[float], None] | None = None,
+) -> Fitted:
     """Return a controller that drives a planned motion of a scene.
 
     Args:
         name: One of `controller_names()`.
         scene: World, chair, start, goal.
-        motion: What was planned.
-        tracker: Name of the tracker, for controllers that protect one.
+        motion: What was planned; for a driver, the way they have in mind.
+        tracker: See `Wishes`, as the rest.
+        driver: See `Wishes`.
+        regions: See `Wishes`.
+        report: See `Wishes`.
 
     Raises:
-        InputError: If there is no such controller.
+        InputError: If there is no such controller or driver, or the regions cannot be used.
     """
     check_controller(name)
-    return _MAKERS[name](scene, motion, tracker)
+    return _MAKERS[name](scene, motion, Wishes(tracker, driver, regions, report))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 from ..errors import InputError, ShapeError
 from ..files import check_can_be_written
@@ -18,7 +19,7 @@ from ..simulation.simulator import simulate
 from ..tracking.registry import make_tracker, tracker_names
 from ..trajectory import Trajectory
 from ..verification import verify
-from .controllers import check_controller, make_controller
+from .controllers import Fitted, check_controller, make_controller
 from .outcome import NOT_FOUND, OK, Outcome, lines, millimetres
 from .plan import check_picture, describe_plan, exit_code
 
@@ -62,6 +63,8 @@ def run_drive(
     given: str | None,
     files: DriveFiles,
     controller: str | None = None,
+    driver: str | None = None,
+    regions: str | None = None,
     report: Callable[[float], None] | None = None,
 ) -> Outcome:
     """Plan a scene or take a given trajectory, drive it in the simulator, judge the drive.
@@ -74,6 +77,8 @@ def run_drive(
         files: Where results go.
         controller: One of `controller_names()`, which perceives and may stop; None: the tracker
             alone drives, blind.
+        driver: Who sits in the chair, with the assistant; None: the steady one.
+        regions: File of the chair's safety regions, for the assistant.
         report: Called with the share of the drive that is done.
     """
     if tracker not in tracker_names():
@@ -85,6 +90,9 @@ def run_drive(
         raise InputError("--save-trajectory saves what is planned; leave it out with --trajectory")
     if controller is not None:
         check_controller(controller)
+    for option, value in (("--driver", driver), ("--regions", regions)):
+        if value is not None and controller != "assistant":
+            raise InputError(f"{option} belongs to --controller assistant", value=value)
     files.check()
     scene = load_scene(scene_file)
     if given is None:
@@ -103,7 +111,21 @@ def run_drive(
         head = f"{scene.name or scene_file}: {given}, {found.status}"
         notes = [f"{given} is {found.status}: {found.reason}"] if found.problems else []
         notes += [f"{given}: {note}" for note in found.notes if not found.problems]
-    record, said = _driven(scene, motion, tracker, controller, report)
+    if controller is None:
+        follower = make_tracker(tracker, motion, scene.vehicle)
+        record, said = simulate(scene, follower, reference=motion, report=report), ""
+    else:
+        make = partial(
+            make_controller,
+            controller,
+            scene,
+            motion,
+            tracker=tracker,
+            driver=driver or "steady",
+            regions=regions,
+        )
+        record, outcome = _watched(scene, motion, make, report)
+        said = lines((controller, outcome))
     head = lines(head, said)
     verdict = judge(scene, record)
     if files.record is not None:
@@ -117,27 +139,35 @@ def run_drive(
     return Outcome(code, verdict.figures(), text, tuple(notes))
 
 
-def _driven(
+def _watched(
     scene: Scene,
     motion: Path | Trajectory,
-    tracker: str,
-    controller: str | None,
+    make: Callable[..., Fitted],
     report: Callable[[float], None] | None,
-) -> tuple[Record, tuple[str, str] | str]:
-    """Return the record of a drive, and what a controller has to say."""
-    if controller is None:
-        follower = make_tracker(tracker, motion, scene.vehicle)
-        return simulate(scene, follower, reference=motion, report=report), ""
-    fitted = make_controller(controller, scene, motion, tracker=tracker)
+) -> tuple[Record, str]:
+    """Return the record of a controller's drive, and what it has to say of it."""
+    prepared = 0.0  # share of the progress bar that preparations took
+
+    def preparing(share: float) -> None:
+        nonlocal prepared
+        prepared = 0.5 * share
+        if report is not None:
+            report(prepared)
+
+    def driving(share: float) -> None:
+        if report is not None:
+            report(prepared + (1.0 - prepared) * share)
+
+    fitted = make(report=preparing)
     record = simulate(
         scene,
         fitted.controller,
         senses=fitted.senses,
-        reference=motion,
+        reference=motion if fitted.follows else None,
         options=fitted.options,
-        report=report,
+        report=driving,
     )
-    return record, (controller, fitted.outcome())
+    return record, fitted.outcome()
 
 
 def _foreseen(scene: Scene, controller: str | None) -> Scene:

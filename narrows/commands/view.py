@@ -35,16 +35,17 @@ def run_view(
         raise MissingExtra("viser", "view")
     os.environ.setdefault("OMP_NUM_THREADS", "1")  # before NumPy: jobs are forked, without threads
     from ..viewer.page import Page
-    from ..viewer.page_controllers import CommandControllers
+    from ..viewer.page_controllers import CONTROLLERS, CommandControllers
     from ..viewer.page_state import load_state
     from .controllers import controller_names, make_controller
 
+    others = tuple(name for name in controller_names() if name not in CONTROLLERS)
     page = Page(
         load_state(scene_file),
         host=host,
         port=port,
         folder=Path.cwd(),
-        commanded=CommandControllers(controller_names(), make_controller),
+        commanded=CommandControllers(others, make_controller),
     )
     say(f"serving {page.url} - press Ctrl-C to end")
     if open_browser:

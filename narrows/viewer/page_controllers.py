@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time as clock
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -23,7 +22,6 @@ from .page_work import Drive, distances, plan_scene
 
 if TYPE_CHECKING:
     from narrows.reactive.safety_regions import SafetyRegions
-    from narrows.simulation.chair_senses import ChairSenses
     from narrows.simulation.drivers import Driver
     from narrows.simulation.simulator import SimulationOptions
 
@@ -130,6 +128,7 @@ def _commanded(report: Report, scene: Scene, who: str, make: Callable[..., Any])
 
 def _navigated(report: Report, scene: Scene) -> Drive:
     from narrows.reactive.navigator import Navigator
+    from narrows.simulation.assisted_chair import scanners
     from narrows.simulation.simulator import SimulationOptions
 
     navigator = Navigator(scene.vehicle, scene.goal.pose[:2])
@@ -143,20 +142,6 @@ def _navigated(report: Report, scene: Scene) -> Drive:
     limits = SimulationOptions(time_limit=_NAVIGATED)
     drive = _judged(report, scene, _Told(navigator, speed), watched, limits, Drive(None))
     return replace(drive, who=ZONE)
-
-
-def scanners(scene: Scene) -> ChairSenses:
-    """Return two laser scanners, front and rear, and the map of the one height they look along."""
-    from narrows.perception.map_options import MapOptions
-    from narrows.simulation.chair_senses import ChairSenses
-    from narrows.simulation.fitted_sensors import FittedLaser, Schedule
-    from narrows.simulation.laser import LaserManners, front_and_rear
-
-    manners = LaserManners(beams=271)
-    both = front_and_rear(scene.vehicle, manners=manners)
-    fitted = [FittedLaser(one, Schedule()) for one in both]
-    options = MapOptions(side=2.0 * _REACH, cell=_CELL, bands=_BAND)
-    return ChairSenses(scene, fitted, options=options, reach=_REACH)
 
 
 class _Speed:
@@ -190,40 +175,27 @@ def _assisted(
     *,
     alone: bool,
 ) -> Drive:
-    from narrows.reactive.assistant import Assistant
-    from narrows.reactive.assistant_options import AssistantOptions
-    from narrows.reactive.door_blend import DoorBlend
-    from narrows.reactive.smooth_motion import MotionLimits, SmoothMotion
-    from narrows.simulation.assisted_driving import AssistedDriving, Seat, UnknownIsFree
-    from narrows.simulation.assisted_driving_doors import CertifiedDoorPaths, DoorSense
-    from narrows.simulation.driver_sticks import make_stick
-    from narrows.simulation.localisation import EncoderOdometry
-    from narrows.simulation.simulator import SimulationOptions
+    from narrows.simulation.assisted_chair import assisted_chair, hand_stick, scanners
 
-    limits = MotionLimits.of(scene.vehicle)
-    stick = make_stick("joystick", limits)
+    stick = hand_stick(scene.vehicle)
     plan, driver = _seated(report, scene, plan, name, stick)
-    chair = scanners(scene)
-    speed, watched, doors = _Speed(), Watched(chair), None
-    mover: Assistant | SmoothMotion = SmoothMotion(limits, period=_PERIOD)
+    sensors = scanners(scene)
+    speed, watched = _Speed(), Watched(sensors)
+    regions: SafetyRegions | None = None
     if not alone:
         protected = _protected(report, scene.vehicle, protected)
-        regions = protected.regions
-        doors, blend = DoorSense(chair), DoorBlend(CertifiedDoorPaths(scene.vehicle))
-        options = AssistantOptions(period=_PERIOD)
-        mover = Assistant(scene.vehicle, regions, options, door_blend=blend)
+        regions = known = protected.regions
 
         def outline(percept: Percept) -> tuple[Array, ...]:
-            return region_outline(regions, speed.value, speed.rate)
+            return region_outline(known, speed.value, speed.rate)
 
         watched.outline = outline
-    seat = Seat(UnknownIsFree(watched))
-    controller = _Told(AssistedDriving(driver, stick, seat, mover, doors=doors), speed)
-    simulated = SimulationOptions(
-        localisation=EncoderOdometry(), step=0.025, period=_PERIOD, time_limit=_DRIVEN
-    )
+    chair = assisted_chair(scene, driver, stick, sensors, regions=regions, senses=watched)
+    controller = _Told(chair.controller, speed)
     whose = f"{ALONE if alone else ASSISTANT}, {name}"
-    drive = _judged(report, scene, controller, watched, simulated, Drive(plan), senses=seat)
+    drive = _judged(
+        report, scene, controller, watched, chair.options, Drive(plan), senses=chair.senses
+    )
     return replace(drive, who=whose, protected=protected)
 
 
@@ -258,39 +230,28 @@ def _judged(
 
 def _protected(report: Report, vehicle: Vehicle, before: Protected | None) -> Protected:
     """Return the safety regions of a chair; computing them takes seconds."""
-    from narrows.reactive.safety_regions import RegionOptions, SafetyRegions
-    from narrows.simulation.plant import PlantOptions
+    from narrows.simulation.assisted_chair import compute_regions
 
     if before is not None and before.key == chair_key(vehicle):
         return before
-    options = RegionOptions(latency=_PERIOD + PlantOptions().motor_lag)
-    return Protected(chair_key(vehicle), SafetyRegions.compute(vehicle, options, report))
+    return Protected(chair_key(vehicle), compute_regions(vehicle, report))
 
 
 def _seated(
     report: Report, scene: Scene, plan: Plan | None, name: str, stick: Any
 ) -> tuple[Plan | None, Driver]:
     """Return the plan whose path somebody has in mind, if they need one, and them."""
-    from narrows.simulation.driver_route import Route
-    from narrows.simulation.driver_sight import Sight
-    from narrows.simulation.driver_traits import DRIVERS
-    from narrows.simulation.drivers import ScriptedDriver
+    from narrows.simulation.assisted_chair import scripted_driver
 
     if name == BY_HAND:
         return plan, PageDriver(report, scene)
-    if name not in DRIVERS:
+    if name not in driver_names():
         allowed = ", ".join(driver_names())
         raise InputError("there is no such driver", value=name, allowed=allowed)
     plan = plan_scene(report, scene) if plan is None else plan
     if plan.path is None:
         raise InputError(f"the driver knows no way: {plan.status.value}, {plan.reason}")
-    count = max(2, math.ceil(plan.path.length / _ROUTE) + 1)
-    places = plan.path(np.linspace(0.0, plan.path.span, count))[:, :2]
-    apart = np.hypot(*np.diff(places, axis=0).T) > 0.02
-    route = Route(places[np.concatenate([[True], apart])], 0.3)
-    rng = np.random.default_rng(0)
-    person = ScriptedDriver(DRIVERS[name], (route,), Sight(scene.world), stick, scene.vehicle, rng)
-    return plan, person
+    return plan, scripted_driver(scene, plan.path, name, stick, np.random.default_rng(0))
 
 
 class PageDriver:
