@@ -86,13 +86,14 @@ def plan_command(
 
     FILE of -o is written only if the plan is certified.
     """
+    from .commands.plan import PlanFiles, run_plan
+
+    files = PlanFiles(output, picture)
     if sensed:
         from .commands.plan_sensed import run_plan_sensed
 
-        return run_plan_sensed(scene, planner=planner, output=output, picture=picture)
-    from .commands.plan import run_plan
-
-    return run_plan(scene, planner=planner, output=output, picture=picture)
+        return run_plan_sensed(scene, planner=planner, files=files)
+    return run_plan(scene, planner=planner, files=files)
 
 
 @narrows.command(

@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
 from ..files import check_can_be_written
 from ..interfaces import Plan, PlanStatus
 from ..scene import Scene, load_scene
 from .outcome import IMPASSABLE, NOT_FOUND, OK, Outcome, lines, millimetres
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 _CODES = {
     PlanStatus.CERTIFIED: OK,
@@ -14,32 +21,69 @@ _CODES = {
 }
 
 
-def run_plan(scene_file: str, *, planner: str, output: str | None, picture: str | None) -> Outcome:
-    """Plan a scene; write the trajectory if it is certified, and the picture in any case."""
-    from ..formats import check_suffix, write_trajectory
+@dataclass(frozen=True)
+class PlanFiles:
+    """Where a plan goes; None: nowhere.
 
-    if output is not None:
-        check_suffix(output)
-        check_can_be_written(output)
-    check_picture(picture)
+    Attributes:
+        output: The trajectory, .csv or .json.
+        picture: .png or .svg.
+    """
+
+    output: str | None = None
+    picture: str | None = None
+
+    def check(self) -> None:
+        """Say early that one of them cannot be written."""
+        from ..formats import check_suffix
+
+        if self.output is not None:
+            check_suffix(self.output)
+            check_can_be_written(self.output)
+        check_picture(self.picture)
+
+    def write(self, scene: Scene, plan: Plan, draw: Callable[[], Figure]) -> tuple[str, list[str]]:
+        """Write the trajectory if it is certified, and the picture in any case.
+
+        Args:
+            scene: What was planned for.
+            plan: The outcome.
+            draw: Returns the picture.
+
+        Returns:
+            A line that names what was written, empty if nothing was; and notes.
+        """
+        from ..formats import write_trajectory
+
+        written, notes = [], []
+        if self.output is not None and plan.trajectory is not None:
+            write_trajectory(plan.trajectory, self.output, vehicle=scene.vehicle)
+            written.append(self.output)
+        elif self.output is not None:
+            notes.append(f"nothing was written to {self.output}: only certified plans are")
+        if self.picture is not None:
+            from ..viewer.pictures import save_picture
+
+            save_picture(draw(), self.picture)
+            written.append(self.picture)
+        return lines(("written", ", ".join(written))) if written else "", notes
+
+
+def run_plan(scene_file: str, *, planner: str, files: PlanFiles) -> Outcome:
+    """Plan a scene; write the trajectory if it is certified, and the picture in any case."""
+    files.check()
     scene = load_scene(scene_file)
     from ..planners import plan  # after reading: a mistake in the scene is told at once
 
     result = plan(scene, planner=planner)
-    written, notes = [], []
-    if output is not None and result.trajectory is not None:
-        write_trajectory(result.trajectory, output, vehicle=scene.vehicle)
-        written.append(output)
-    elif output is not None:
-        notes.append(f"nothing was written to {output}: only certified plans are")
-    if picture is not None:
-        from ..viewer.pictures import plan_picture, save_picture
 
-        save_picture(plan_picture(scene, result), picture)
-        written.append(picture)
-    text = describe_plan(scene, result)
-    if written:
-        text = lines(text, ("written", ", ".join(written)))
+    def draw() -> Figure:
+        from ..viewer.pictures import plan_picture
+
+        return plan_picture(scene, result)
+
+    written, notes = files.write(scene, result, draw)
+    text = lines(describe_plan(scene, result), written)
     return Outcome(exit_code(result), plan_fields(scene, result), text, tuple(notes))
 
 

@@ -28,7 +28,7 @@ from ..simulation.driver_sticks import Stick, make_stick
 from ..simulation.driver_traits import DRIVERS, by_head
 from ..simulation.drivers import Driver, ScriptedDriver
 from ..simulation.fitted_sensors import Faults, FittedLaser, Schedule
-from ..simulation.judge import judge
+from ..simulation.judge import Judgement, judge
 from ..simulation.laser import LaserManners, front_and_rear
 from ..simulation.localisation import EncoderOdometry
 from ..simulation.plant import PlantOptions
@@ -222,6 +222,15 @@ def course_case(case: Case, rng: np.random.Generator, regions: str) -> Mapping[s
     name = str(case["driver"])
     record, driver = drive(scene, name, course_routes(), conditions, regions_of(regions), rng)
     verdict = judge(scene, record)
+    return {
+        **drive_figures(record, driver, verdict),
+        "peak_jerk": verdict.peak_jerk,
+        **_shares(record),
+    }
+
+
+def drive_figures(record: Record, driver: Driver, verdict: Judgement) -> dict[str, Scalar]:
+    """Return what is asked of every drive."""
     first = verdict.collisions[0] if verdict.collisions else None
     return {
         "arrived": driver.finished,
@@ -230,8 +239,6 @@ def course_case(case: Case, rng: np.random.Generator, regions: str) -> Mapping[s
         "time_s": record.duration,
         "distance_m": record.length,
         "min_clearance_mm": 1e3 * verdict.min_clearance,
-        "peak_jerk": verdict.peak_jerk,
-        **_shares(record),
     }
 
 

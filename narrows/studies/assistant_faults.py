@@ -13,7 +13,7 @@ from ..simulation.fitted_sensors import Faults
 from ..simulation.judge import judge
 from ..simulation.record import Record
 from .assistant_course import course_routes, course_scene
-from .assistant_drives import PLANT, Conditions, drive, regions_of
+from .assistant_drives import PLANT, Conditions, drive, drive_figures, regions_of
 from .case import Case, Scalar
 
 _LIMIT = 250.0  # s
@@ -57,14 +57,8 @@ def trouble_case(case: Case, rng: np.random.Generator, regions: str) -> Mapping[
         scene, str(case["driver"]), course_routes(), TROUBLES[name], regions_of(regions), rng
     )
     verdict = judge(scene, record)
-    first = verdict.collisions[0] if verdict.collisions else None
     return {
-        "arrived": driver.finished,
-        "collisions": len(verdict.collisions),
-        "first_collision": first.reason if first else None,
-        "time_s": record.duration,
-        "distance_m": record.length,
-        "min_clearance_mm": 1e3 * verdict.min_clearance,
+        **drive_figures(record, driver, verdict),
         "stands_at_end": bool(np.abs(record.wheel_speeds[-1]).max() < 0.01),
         "blind_m": blind_travel(record),
     }
