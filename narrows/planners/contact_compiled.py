@@ -14,6 +14,7 @@ from narrows.se2 import Array
 from .body_distance import BodyDistance
 from .contact_finding import FINER, HORIZON, WATCH, Contacts, Samples
 from .contact_kernel import CORNERS, FOUND, SOLID_EDGE, Course, Watch, contacts
+from .planning_clock import clock
 from .section_motion import SectionMotion
 
 _ROOM = 4000  # contacts at most
@@ -52,19 +53,20 @@ def compiled_contacts(
     packed, pieces = _packed(body), body.pieces
     places = samples.pose[:, :2]
     chosen = pieces.near(places.min(axis=0), places.max(axis=0), body.radius + HORIZON)
-    count = contacts(
-        Course(motion.powers, float(motion.direction), len(samples.parameter), FINER),
-        Watch(HORIZON, WATCH.near, required + WATCH.close, WATCH.stride, WATCH.close_stride),
-        packed.body,
-        body.radius,
-        packed.pieces,
-        packed.sides,
-        pieces.radius,
-        packed.boxes,
-        chosen,
-        packed.found,
-        packed.of_piece,
-    )
+    with clock.loading_of(contacts):
+        count = contacts(
+            Course(motion.powers, float(motion.direction), len(samples.parameter), FINER),
+            Watch(HORIZON, WATCH.near, required + WATCH.close, WATCH.stride, WATCH.close_stride),
+            packed.body,
+            body.radius,
+            packed.pieces,
+            packed.sides,
+            pieces.radius,
+            packed.boxes,
+            chosen,
+            packed.found,
+            packed.of_piece,
+        )
     if not count:
         return None
     found, piece = packed.found[:count].copy(), packed.of_piece[:count].copy()

@@ -15,7 +15,6 @@ middle: a chair with a long front is straight well before its axle reaches the d
 from __future__ import annotations
 
 import math
-import time
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -34,6 +33,7 @@ from .door_regions import Passage, choose_door, describe_passage
 from .doorway_curve import DoorwayBounds
 from .doorway_search import DoorwayCurve, DoorwayTask, search_doorway
 from .finish import finished_plan
+from .planning_clock import clock
 from .smoothness import Smoothness
 
 NAME = "doorway"
@@ -132,7 +132,7 @@ class DoorwayPlanner:
 
     def plan(self, scene: Scene) -> Plan:
         """Return a certified plan through the door between start and goal, or why there is none."""
-        begun = time.process_time()
+        begun = clock.now()
         door = choose_door(scene)
         if isinstance(door, str):
             return Plan(PlanStatus.NOT_FOUND, NAME, door)
@@ -175,7 +175,7 @@ class DoorwayPlanner:
             "cost": first.cost + second.cost,
             "iterations": float(first.iterations + second.iterations),
             "max_curvature_1_m": _sharpest(control),
-            "solve_time_s": time.process_time() - begun,
+            "solve_time_s": clock.now() - begun,
         }
         return finished_plan(scene, smooth_path(control), planner=NAME, statistics=figures)
 
@@ -189,7 +189,7 @@ class DoorwayPlanner:
             "iterations": float(curve.iterations),
             "solves": float(curve.solves),
             "max_curvature_1_m": _sharpest(curve.control),
-            "solve_time_s": time.process_time() - begun,
+            "solve_time_s": clock.now() - begun,
         }
         clear = curve.certificate.is_clear or not self.options.body
         if not (curve.is_drivable and clear):
@@ -255,7 +255,7 @@ def _sharpest(control: Array) -> float:
 
 
 def _not_found(reason: str, begun: float) -> Plan:
-    spent = {"solve_time_s": time.process_time() - begun}
+    spent = {"solve_time_s": clock.now() - begun}
     return Plan(PlanStatus.NOT_FOUND, NAME, reason, statistics=spent)
 
 

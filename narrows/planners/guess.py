@@ -14,6 +14,8 @@ from narrows.scene import Scene
 from narrows.se2 import Array
 from narrows.world import Door
 
+from .planning_clock import clock
+
 _LEG = 0.45  # of the distance between two poses: a cubic's leg that bends gently
 _SHORTEST = 0.05  # m: shortest leg a guess begins with
 _ONE_PLACE = 0.01  # m: what is nearer is no curve but a turn, and left to the search
@@ -74,7 +76,8 @@ def forward_guesses(scene: Scene) -> list[tuple[str, Path]]:
     ]
     if guesses:
         return guesses
-    from .arcs import arc_guess
+    with clock.loading():
+        from .arcs import arc_guess
 
     arc = arc_guess(scene)
     if arc is not None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import difflib
 import math
-import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
@@ -20,6 +19,7 @@ from narrows.vehicle import Vehicle
 from .finish import CERTIFICATE_TOLERANCE
 from .guess import forward_guesses
 from .manoeuvre import Candidate, ManoeuvreOptions, best_candidates, plan_of
+from .planning_clock import clock
 
 TIME_BUDGET = 5.0
 """CPU time after which no further start is tried [s]."""
@@ -108,7 +108,7 @@ class _Ladder:
 
     def __post_init__(self) -> None:
         """Start the clock."""
-        self.begun = time.process_time()
+        self.begun = clock.now()
         self.options = ManoeuvreOptions()
         self.rough: list[Path] = []
 
@@ -120,7 +120,8 @@ class _Ladder:
             return best
         verdict = None
         if best.status is not PlanStatus.CERTIFIED:
-            from .passage import PassageStatus, passable
+            with clock.loading():
+                from .passage import PassageStatus, passable
 
             verdict = passable(self.scene, time_budget=_PROOF_BUDGET, spare=False)
             if verdict.status is PassageStatus.IMPASSABLE:
@@ -140,14 +141,15 @@ class _Ladder:
 
     def _unsmoothed(self) -> Plan | None:
         """Return a way of the search as it is, stopping where it bends, if one is certified."""
-        from .search import SearchPlanner
+        with clock.loading():
+            from .search import SearchPlanner
 
         if not self.rough and not self.scene.vehicle.may_turn_on_the_spot:
             return None
         plan = SearchPlanner().plan(self.scene)
         if plan.status is not PlanStatus.CERTIFIED:
             return None
-        figures = {**plan.statistics, "solve_time_s": time.process_time() - self.begun}
+        figures = {**plan.statistics, "solve_time_s": clock.now() - self.begun}
         return replace(
             plan,
             reason=f"{plan.reason}; not smoothed: the chair stops where the way bends",
@@ -166,7 +168,8 @@ class _Ladder:
 
     def _searched(self) -> Iterable[tuple[str, Path]]:
         """Yield rough manoeuvres from searches, those first that can best be made smooth."""
-        from .search import SearchPlanner
+        with clock.loading():
+            from .search import SearchPlanner
 
         planner = SearchPlanner()
         for search, vehicle in self._searches():
@@ -194,10 +197,11 @@ class _Ladder:
 
     def _impassable(self) -> Plan:
         """Return the proof as a plan's outcome, with the millimetres that are missing."""
-        from .passage import passable
+        with clock.loading():
+            from .passage import passable
 
         verdict = passable(self.scene, time_budget=_PROOF_BUDGET)
-        figures = {"solve_time_s": time.process_time() - self.begun}
+        figures = {"solve_time_s": clock.now() - self.begun}
         if verdict.spare_m is not None:
             figures["missing_mm"] = -1e3 * verdict.spare_m
         return Plan(PlanStatus.IMPASSABLE, "passage", verdict.reason, statistics=figures)

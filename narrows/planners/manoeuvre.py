@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 
@@ -16,6 +15,7 @@ from .body_program import Weights
 from .finish import finished_plan
 from .fitting import fitted
 from .guess import doors_between, forward_guesses
+from .planning_clock import clock
 from .refinement import Refined, Refinement, RefinementOptions
 
 _PIECE = 0.45  # m: a cubic piece about half a chair long bends as sharply as a chair can
@@ -119,7 +119,7 @@ def best_candidates(
         scene: The scene.
         guesses: Named rough paths; asked for one by one, so that costly ones may come last.
         options: The options.
-        until: Value of `time.process_time` after which no further guess is taken [s].
+        until: Value of `planning_clock.clock.now` after which no further guess is taken [s].
     """
     found: list[Candidate] = []
     good = 0
@@ -130,7 +130,7 @@ def best_candidates(
             continue  # a guess that folds over cannot be refined; the next one may
         found.append(candidate)
         good += candidate.is_good
-        if good >= options.compare or time.process_time() >= until:
+        if good >= options.compare or clock.now() >= until:
             break
     return sorted(found, key=lambda candidate: candidate.refined.cost)
 
@@ -145,7 +145,7 @@ class ManoeuvrePlanner:
 
     def plan(self, scene: Scene) -> Plan:
         """Return the best certified manoeuvre, or what blocked the best one tried."""
-        begun = time.process_time()
+        begun = clock.now()
         candidates = best_candidates(
             scene, self._guesses(scene), self.options, begun + self.time_budget
         )
@@ -161,7 +161,7 @@ def plan_of(scene: Scene, candidates: list[Candidate], begun: float) -> Plan:
     Args:
         scene: The scene.
         candidates: Refined manoeuvres, the best first.
-        begun: Value of `time.process_time` when planning began [s].
+        begun: Value of `planning_clock.clock.now` when planning began [s].
     """
     refusals = []
     for candidate in candidates:
@@ -176,11 +176,11 @@ def plan_of(scene: Scene, candidates: list[Candidate], begun: float) -> Plan:
                 "cost": candidate.refined.cost,
                 "iterations": float(sum(c.refined.iterations for c in candidates)),
                 "starts": float(len(candidates)),
-                "solve_time_s": time.process_time() - begun,
+                "solve_time_s": clock.now() - begun,
             },
         )
         if plan.status is PlanStatus.CERTIFIED:
-            statistics = {**plan.statistics, "solve_time_s": time.process_time() - begun}
+            statistics = {**plan.statistics, "solve_time_s": clock.now() - begun}
             return replace(plan, statistics=statistics)
         refusals.append(f"{candidate.name}: {plan.reason}")
     tried = "; ".join(refusals[:3]) if refusals else "no rough path could be refined"
@@ -190,6 +190,6 @@ def plan_of(scene: Scene, candidates: list[Candidate], begun: float) -> Plan:
         f"{len(candidates)} manoeuvres tried, none certified: {tried}",
         statistics={
             "starts": float(len(candidates)),
-            "solve_time_s": time.process_time() - begun,
+            "solve_time_s": clock.now() - begun,
         },
     )

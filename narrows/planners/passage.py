@@ -9,7 +9,6 @@ reason then says so. The margin and solids that move play no part. See docs/pass
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass
 from enum import Enum
 
@@ -24,6 +23,7 @@ from .passage_reason import reason_for
 from .passage_refinement import Answer, Decision
 from .passage_windows import PassageDecider
 from .passage_witness import witness_poses
+from .planning_clock import clock
 from .spare import Spare, find_spare
 
 _FINEST = 2e-4  # m that the body's furthest point moves over the narrowest heading interval
@@ -112,7 +112,7 @@ def passable(scene: Scene, *, time_budget: float = 10.0, spare: bool = True) -> 
         time_budget: Process time after which what is then known is returned [s].
         spare: Whether to find how much larger the body may be, or must be smaller.
     """
-    begin = time.process_time()
+    begin = clock.now()
     problem = PassageProblem.from_scene(scene)
     decider = PassageDecider(problem, _FINEST / problem.reach(0.0), begin + time_budget)
     decision = decider.decide(0.0)
@@ -130,7 +130,7 @@ def passable(scene: Scene, *, time_budget: float = 10.0, spare: bool = True) -> 
     return Verdict(
         status=status,
         reason=reason_for(scene, decision, room, narrowest),
-        time_s=time.process_time() - begin,
+        time_s=clock.now() - begin,
         resolution_rad=float(min(widths)),
         spare=room,
         narrowest=narrowest,

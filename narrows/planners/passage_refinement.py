@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass
 from enum import Enum
 
@@ -10,6 +9,7 @@ import numpy as np
 
 from .heading_graph import HeadingGraph
 from .passage_network import OUTSIDE, UNDECIDABLE, PassageNetwork
+from .planning_clock import clock
 
 _SLACK = 0.25  # costs of different ways differ by a half at least
 
@@ -64,7 +64,7 @@ def decide(graph: HeadingGraph, finest: float, deadline: float) -> Decision:
         answer, doubtful = _look(network)
         if answer is not None:
             return Decision(answer, network)
-        if time.process_time() > deadline:
+        if clock.now() > deadline:
             return Decision(Answer.TOO_LONG, network)
         graph.split(doubtful)
         graph.update(possible=True)

@@ -7,7 +7,6 @@ apart. Only where the answer hangs on what is beyond is a larger window taken.
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -17,6 +16,7 @@ from .heading_graph import HeadingGraph
 from .passage_network import PassageNetwork
 from .passage_problem import PassageProblem
 from .passage_refinement import Answer, Decision, decide, glance
+from .planning_clock import clock
 
 _FEW = 60  # obstacle pieces that are all taken at once
 _PATIENCE = 1.0  # s that a look once begun may take beyond the deadline
@@ -46,7 +46,7 @@ class PassageDecider:
     @property
     def out_of_time(self) -> bool:
         """Whether the deadline has passed."""
-        return time.process_time() > self.deadline
+        return clock.now() > self.deadline
 
     def is_too_long(self, graph: HeadingGraph, patience: float = _PATIENCE) -> bool:
         """Return whether even the first look at a graph would end well after the deadline.
@@ -55,7 +55,7 @@ class PassageDecider:
             graph: A graph of which nothing is computed yet.
             patience: How long after the deadline it may end [s].
         """
-        return time.process_time() + graph.first_look_s > self.deadline + patience
+        return clock.now() + graph.first_look_s > self.deadline + patience
 
     def decide(self, growth: float) -> Decision:
         """Return what is known of start and goal for a body grown by `growth` [m].

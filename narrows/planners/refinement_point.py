@@ -17,6 +17,7 @@ from .body_program import Layout, ManoeuvreProgram, Weights
 from .clearance_rows import Finder, fine_samples, rows_along
 from .contact_finding import Samples, contacts_along
 from .manoeuvre_shape import ManoeuvreShape
+from .planning_clock import clock
 from .row_terms import RowTerms
 from .section_motion import SectionMotion
 from .spline import Spline
@@ -157,7 +158,8 @@ class RefinementModel:
 
     def use_compiled(self) -> None:
         """Look for contacts in compiled loops from now on."""
-        from .contact_compiled import compiled_contacts  # numba takes longer than an easy plan
+        with clock.loading():  # numba takes longer than an easy plan
+            from .contact_compiled import compiled_contacts
 
         self._finder = compiled_contacts
 

@@ -26,6 +26,7 @@ from ..interfaces import Plan, PlanStatus
 from ..path import Path
 from ..scene import Scene
 from .finish import finished_plan
+from .planning_clock import clock
 from .search_options import Rung, SearchOptions, ladder
 from .search_path import path_of
 
@@ -186,7 +187,8 @@ class SearchPlanner:
 
 def _ground(scene: Scene, options: SearchOptions) -> Ground:
     """Return the scene packed for the compiled searches; imports numba, so only when asked."""
-    from .search_rung import Ground
+    with clock.loading():
+        from .search_rung import Ground
 
     return Ground(scene, options)
 
