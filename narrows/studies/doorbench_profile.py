@@ -24,7 +24,7 @@ STAGES: tuple[tuple[str, str, str], ...] = (
 )
 """Name, file and function of each stage; indented ones are parts of the one above."""
 
-_SHOWN = 12
+_SHOWN = 16
 
 
 @dataclass(frozen=True)
