@@ -152,10 +152,10 @@ def test_a_grid_search_never_contradicts_the_verdict() -> None:
 
 @pytest.mark.slow
 def test_a_grid_search_never_contradicts_the_verdict_on_many_worlds() -> None:
-    found = [check(seed) for seed in range(100, 128)]
+    found = [check(seed) for seed in range(100, 150)]
     # Both answers occur often: otherwise the test could not fail.
-    assert found.count(PassageStatus.PASSABLE) >= 5
-    assert found.count(PassageStatus.IMPASSABLE) >= 5
+    assert found.count(PassageStatus.PASSABLE) >= 8
+    assert found.count(PassageStatus.IMPASSABLE) >= 8
     assert PassageStatus.UNDECIDED not in found
 
 
