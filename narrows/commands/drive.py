@@ -81,18 +81,7 @@ def run_drive(
         regions: File of the chair's safety regions, for the assistant.
         report: Called with the share of the drive that is done.
     """
-    if tracker not in tracker_names():
-        allowed = ", ".join(tracker_names())
-        raise InputError(
-            "there is no such tracker", field="--tracker", value=tracker, allowed=allowed
-        )
-    if given is not None and files.trajectory is not None:
-        raise InputError("--save-trajectory saves what is planned; leave it out with --trajectory")
-    if controller is not None:
-        check_controller(controller)
-    for option, value in (("--driver", driver), ("--regions", regions)):
-        if value is not None and controller != "assistant":
-            raise InputError(f"{option} belongs to --controller assistant", value=value)
+    _check_options(tracker, controller, driver, regions, given, files)
     files.check()
     scene = load_scene(scene_file)
     if given is None:
@@ -115,15 +104,8 @@ def run_drive(
         follower = make_tracker(tracker, motion, scene.vehicle)
         record, said = simulate(scene, follower, reference=motion, report=report), ""
     else:
-        make = partial(
-            make_controller,
-            controller,
-            scene,
-            motion,
-            tracker=tracker,
-            driver=driver or "steady",
-            regions=regions,
-        )
+        make = partial(make_controller, controller, scene, motion, tracker=tracker)
+        make = partial(make, driver=driver or "steady", regions=regions)
         record, outcome = _watched(scene, motion, make, report)
         said = lines((controller, outcome))
     head = lines(head, said)
@@ -137,6 +119,29 @@ def run_drive(
     if not verdict.reached:
         notes.append(verdict.reason)
     return Outcome(code, verdict.figures(), text, tuple(notes))
+
+
+def _check_options(
+    tracker: str,
+    controller: str | None,
+    driver: str | None,
+    regions: str | None,
+    given: str | None,
+    files: DriveFiles,
+) -> None:
+    """Say early that there is nobody of a name, or that options do not go together."""
+    if tracker not in tracker_names():
+        allowed = ", ".join(tracker_names())
+        raise InputError(
+            "there is no such tracker", field="--tracker", value=tracker, allowed=allowed
+        )
+    if given is not None and files.trajectory is not None:
+        raise InputError("--save-trajectory saves what is planned; leave it out with --trajectory")
+    if controller is not None:
+        check_controller(controller)
+    for option, value in (("--driver", driver), ("--regions", regions)):
+        if value is not None and controller != "assistant":
+            raise InputError(f"{option} belongs to --controller assistant", value=value)
 
 
 def _watched(

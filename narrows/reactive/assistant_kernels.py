@@ -15,6 +15,18 @@ FRAMES = 2 * (_POSES - 1)  # of them kept for each error
 
 
 @compiled
+def _is_there(
+    cells: NDArray[np.int32], where: Array, last: int, count: int, number: int, x: float, y: float
+) -> bool:
+    """Return whether the entry filled last for a cell is this cell's, and the same point [m]."""
+    return (
+        last < count
+        and cells[last] == number
+        and abs(where[last, 0] - x) + abs(where[last, 1] - y) < 1e-6
+    )
+
+
+@compiled
 def place(
     points: Array,
     height: float,
@@ -74,12 +86,7 @@ def place(
                 if count == len(cells):
                     return count
                 number = row * columns + column
-                last = latest[number]
-                if (
-                    last < count
-                    and cells[last] == number
-                    and abs(where[last, 0] - x) + abs(where[last, 1] - y) < 1e-6
-                ):
+                if _is_there(cells, where, latest[number], count, number, x, y):
                     continue
                 latest[number] = count
                 cells[count] = number

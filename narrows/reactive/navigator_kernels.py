@@ -15,6 +15,36 @@ from .zone_kernels import compiled
 
 
 @compiled
+def _goal(
+    time: float,
+    pending: Array,
+    under_way: float,
+    command: Array,
+    period: float,
+    fade: float,
+) -> tuple[float, float]:
+    """Return the v and omega asked for at a time [s] on the way to a stop.
+
+    Args:
+        time: From now [s].
+        pending: Rows [duration, v, omega] of commands under way, shape (Q, 3).
+        under_way: Sum of their durations [s].
+        command: v, omega to be judged, shape (2,).
+        period: Control period [s].
+        fade: Share of the command by which it fades each period; infinite: at once.
+    """
+    if time < under_way:
+        start, row = 0.0, 0
+        while start + pending[row, 0] < time:
+            start += pending[row, 0]
+            row += 1
+        return pending[row, 1], pending[row, 2]
+    stage = math.floor((time - under_way) / period)
+    share = 1.0 if stage == 0 else max(0.0, 1.0 - stage * fade) if fade < np.inf else 0.0
+    return share * command[0], share * command[1]
+
+
+@compiled
 def stopping_poses(
     twist: Array,
     pending: Array,
@@ -63,16 +93,7 @@ def stopping_poses(
     kept, moved = 1, 0.0
     for k in range(1, count + 1):
         middle = (k - 0.5) * step
-        if middle < under_way:
-            start, row = 0.0, 0
-            while start + pending[row, 0] < middle:
-                start += pending[row, 0]
-                row += 1
-            goal_v, goal_omega = pending[row, 1], pending[row, 2]
-        else:
-            stage = math.floor((middle - under_way) / period)
-            share = 1.0 if stage == 0 else max(0.0, 1.0 - stage * fade) if fade < np.inf else 0.0
-            goal_v, goal_omega = share * command[0], share * command[1]
+        goal_v, goal_omega = _goal(middle, pending, under_way, command, period, fade)
         # The mean over the step of an exponential answer, for its way; its end, for the next.
         mean = (1.0 - decay) * lag / step
         mean_v = goal_v + (v - goal_v) * mean

@@ -79,37 +79,16 @@ def run(
         senses: What the chair carries in the paper's runs, some of `SENSED`.
     """
     table = partial(_table, out, jobs=jobs, resume=resume, seed=seed)
-    paper = table(
-        "paper",
-        paper_case,
-        _each("scene", PAPER_SCENES, "variant", (GUARDED, BLIND, *VARIANTS)),
-        ("scene", "variant"),
-    )
-    clutter = table(
-        "clutter",
-        clutter_case,
-        _clutter(worlds, compared, seed),
-        ("world", "variant"),
-    )
-    people = table(
-        "people",
-        people_case,
-        _people(peopled, told, seed),
-        ("world", "knows"),
-    )
+    paper_cases = _each("scene", PAPER_SCENES, "variant", (GUARDED, BLIND, *VARIANTS))
+    paper = table("paper", paper_case, paper_cases, ("scene", "variant"))
+    worlds_cases = _clutter(worlds, compared, seed)
+    clutter = table("clutter", clutter_case, worlds_cases, ("world", "variant"))
+    people = table("people", people_case, _people(peopled, told, seed), ("world", "knows"))
     odd = table("odd", odd_case, [{"case": name} for name in ODD], ("case",))
-    dropouts = table(
-        "dropouts",
-        dropout_case,
-        [{"world": k, "base": seed} for k in range(silent)],
-        ("world",),
-    )
-    sensed = table(
-        "sensed",
-        sensing_case,
-        _each("scene", PAPER_SCENES, "senses", senses),
-        ("scene", "senses"),
-    )
+    silences: list[_Case] = [{"world": k, "base": seed} for k in range(silent)]
+    dropouts = table("dropouts", dropout_case, silences, ("world",))
+    sensed_cases = _each("scene", PAPER_SCENES, "senses", senses)
+    sensed = table("sensed", sensing_case, sensed_cases, ("scene", "senses"))
     draw(out, seed)
     parts = [
         "# Fuzzy rules and a deformable zone, again",
