@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..se2 import Array
 from .compiled import compiled
 from .depth_kernels import Image
-from .map_kernels import Cells, Origin, band_of, mark_hit, mark_passed
+from .map_cells import Cells, Origin, band_of, line_beside, mark_hit, mark_passed_bands, ring_line
 
 
 class View(NamedTuple):
@@ -66,6 +66,8 @@ def hit_pixels(
         stride: Every how many pixels, along rows and columns, one is looked at.
     """
     size, scale = cells.occupied.shape[0], 1.0 / cells.cell
+    start_i, start_j = origin[0] % size, origin[1] % size
+    band = 0
     cos, sin = math.cos(view.chair[2]), math.sin(view.chair[2])
     across = (np.arange(image.shape[1]) - view.lens[2]) / view.lens[0]
     pose = view.pose
@@ -86,13 +88,13 @@ def hit_pixels(
             k, m = (x - area[0]) / area[2], (y - area[1]) / area[2]
             if not (0.0 <= k < seen.shape[0] and 0.0 <= m < seen.shape[1]):
                 continue
-            band = band_of(height, cells.edges)
+            band = band_of(height, cells.edges, band)
             if band < 0 or seen[int(k), int(m)] != obstacle:
                 continue
-            i = math.floor((view.chair[0] + cos * x - sin * y) * scale)
-            j = math.floor((view.chair[1] + sin * x + cos * y) * scale)
-            if 0 <= i - origin[0] < size and 0 <= j - origin[1] < size:
-                mark_hit(cells, band, i % size, j % size)
+            i = math.floor((view.chair[0] + cos * x - sin * y) * scale) - origin[0]
+            j = math.floor((view.chair[1] + sin * x + cos * y) * scale) - origin[1]
+            if 0 <= i < size and 0 <= j < size:
+                mark_hit(cells, ring_line(i, start_i, size), ring_line(j, start_j, size), band)
 
 
 @compiled
@@ -113,8 +115,18 @@ def pass_pixels(cells: Cells, origin: Origin, view: View, image: Image) -> None:
     i_to = min(math.floor((eye_x + reach) / cell), origin[0] + size - 2)
     j_from = max(math.floor((eye_y - reach) / cell), origin[1])
     j_to = min(math.floor((eye_y + reach) / cell), origin[1] + size - 2)
+    start_i, start_j = origin[0] % size, origin[1] % size
+    bands = np.uint32((1 << len(heights)) - 1)
+    settled = cells.settled
     for i in range(i_from + i_from % 2, i_to + 1, 2):
+        a = ring_line(i - origin[0], start_i, size)
+        c = line_beside(a, 1, size)
         for j in range(j_from + j_from % 2, j_to + 1, 2):
+            b = ring_line(j - origin[1], start_j, size)
+            d = line_beside(b, 1, size)
+            left_over = bands & ~(settled[a, b] & settled[a, d] & settled[c, b] & settled[c, d])
+            if left_over == 0:
+                continue
             east, north = (i + 1) * cell - eye_x, (j + 1) * cell - eye_y
             ahead, left = cos * east + sin * north, cos * north - sin * east
             # The column at the camera's height, in the camera frame; heights add a multiple of up.
@@ -123,8 +135,10 @@ def pass_pixels(cells: Cells, origin: Origin, view: View, image: Image) -> None:
             z0 = pose[0, 2] * ahead + pose[1, 2] * left
             if _is_beside_view(pose, lens[0], lens[2], image.shape[1], heights, x0, z0):
                 continue
+            passed = np.uint32(0)
             for band in range(len(heights)):
-                if _is_settled(cells, band, i, j):
+                bit = np.uint32(1) << np.uint32(band)
+                if not left_over & bit:
                     continue
                 rise = heights[band] - pose[2, 3]
                 z = z0 + pose[2, 2] * rise
@@ -139,19 +153,12 @@ def pass_pixels(cells: Cells, origin: Origin, view: View, image: Image) -> None:
                 seen = min(image[int(v), int(u - half)], image[int(v), int(u + half)])
                 depth = float(np.float32(seen) / view.per_metre)
                 if depth > z + view.short + view.growth * z * z:
-                    for a in (i % size, (i + 1) % size):
-                        for b in (j % size, (j + 1) % size):
-                            mark_passed(cells, band, a, b)
-
-
-@compiled
-def _is_settled(cells: Cells, band: int, i: int, j: int) -> bool:
-    """Return whether four cells from a world cell on are as free as can be."""
-    size = cells.occupied.shape[0]
-    a, b, c, d = i % size, j % size, (i + 1) % size, (j + 1) % size
-    known = cells.certainty[band]
-    most = max(max(known[a, b], known[a, d]), max(known[c, b], known[c, d]))
-    return bool(most <= -cells.hit)
+                    passed |= bit
+            if passed:
+                mark_passed_bands(cells, a, b, passed)
+                mark_passed_bands(cells, a, d, passed)
+                mark_passed_bands(cells, c, b, passed)
+                mark_passed_bands(cells, c, d, passed)
 
 
 @compiled

@@ -26,17 +26,11 @@ from ..vehicle import Vehicle
 from .body_slabs import body_slabs
 from .camera import DepthCamera
 from .depth_image import depth_frame
+from .map_cells import begin_update, forget_lines, unknown_cells
 from .map_depth_kernels import View, hit_pixels, pass_pixels
-from .map_kernels import (
-    Cells,
-    begin_update,
-    forget_lines,
-    hit_points,
-    look_around,
-    pass_rays,
-    stand_on,
-)
+from .map_look_kernels import look_around, stand_on
 from .map_options import MapOptions
+from .map_ray_kernels import hit_points, pass_rays
 from .obstacles import ObstacleFinder
 from .ranges import LaserScan, UltrasoundReadings
 from .surroundings import Cell, Sight, Surroundings
@@ -71,19 +65,7 @@ class ObstacleMap:
         self.options = options or MapOptions()
         chosen, count = self.options, self.options.count
         edges = np.array(chosen.bands, dtype=float)
-        shape = (len(edges) - 1, count, count)
-        self._cells = Cells(
-            np.zeros(shape, dtype=np.int8),
-            np.zeros(shape, dtype=np.uint8),
-            np.zeros(1, dtype=np.uint8),
-            np.zeros((count, count), dtype=np.uint32),
-            np.zeros((count, count), dtype=np.uint32),
-            edges,
-            chosen.cell,
-            chosen.hit,
-            chosen.miss,
-            chosen.most,
-        )
+        self._cells = unknown_cells(count, edges, chosen.cell, chosen.hit, chosen.miss, chosen.most)
         self._slabs = [] if vehicle is None else body_slabs(vehicle, edges)
         self._heard: dict[str, float] = dict.fromkeys(chosen.sensors, -math.inf)
         self.pose = _pose(pose)
@@ -118,8 +100,7 @@ class ObstacleMap:
 
     def forget(self) -> None:
         """Make every cell unknown."""
-        for cells in (self._cells.certainty, self._cells.occupied, self._cells.free):
-            cells[:] = 0
+        forget_lines(self._cells, 0, self.options.count, 0)
 
     def add_scan(self, scan: LaserScan) -> None:
         """Add a laser scan taken at the pose believed last.
@@ -299,7 +280,7 @@ class ObstacleMap:
             allowed = f"{edges[0]} to {edges[-1]} m"
             raise InputError("no band there", field="height", value=height, allowed=allowed)
         band = int(np.searchsorted(edges, height, side="right")) - 1
-        return self._unrolled(self._cells.certainty[band])
+        return self._unrolled(self._cells.certainty[:, :, band])
 
     def is_free(
         self, points: ArrayLike, heights: tuple[float, float] = (0.0, math.inf)
