@@ -67,21 +67,25 @@ def _claim(found: Plan) -> Claim:
     return Claim(found.path, f"{found.status.value}: {found.reason}", counts)
 
 
-def _obca(scene: Scene, *, recheck: bool) -> Claim:
+def _obca(scene: Scene, *, keep: float | None, margin: float = TOUCH) -> Claim:
     """Run OBCA from the search's way, or from a curve through the door where there is none."""
     found = SearchPlanner().search(scene).manoeuvre
     guess = found.path if found is not None else forward_guesses(scene)[0][1]
-    result = obca(scene, guess, recheck=recheck)
+    result = obca(scene, guess, keep=keep, margin=margin)
     counts = {"iterations": float(result.iterations), "solves": float(result.solves)}
     return Claim(result.path, result.reason, counts)
 
 
 def _obca_once(scene: Scene) -> Claim:
-    return _obca(scene, recheck=False)
+    return _obca(scene, keep=None)
 
 
 def _obca_rechecked(scene: Scene) -> Claim:
-    return _obca(scene, recheck=True)
+    return _obca(scene, keep=0.0)
+
+
+def _obca_margin(scene: Scene) -> Claim:
+    return _obca(scene, keep=scene.margin, margin=scene.margin)
 
 
 def _ompl(scene: Scene) -> Claim:
@@ -104,6 +108,9 @@ CONTESTANTS: Mapping[str, Contestant] = {
     "obca": Contestant("OBCA from the search's way, solved once, taken at its word", _obca_once),
     "obca-rechecked": Contestant(
         "the same, certified, and solved again with more clearance where it cuts", _obca_rechecked
+    ),
+    "obca-margin": Contestant(
+        "the same, solved until it keeps the scene's margin, as `narrows` does", _obca_margin
     ),
     "ompl-rrt": Contestant("OMPL's RRT on Dubins curves, simplified", _ompl, is_repeatable=False),
 }
