@@ -57,10 +57,20 @@ Origin = NDArray[np.int64]
 def unknown_cells(count: int, edges: Array, cell: float, hit: int, miss: int, most: int) -> Cells:
     """Return the memory of a map of `count` by `count` cells of which nothing is known."""
     shape = (count, count, len(edges) - 1)
-    words = (np.zeros((count, count), dtype=np.uint32) for _ in range(3))
-    certainty, touched = np.zeros(shape, dtype=np.int8), np.zeros(shape, dtype=np.uint8)
-    mark = np.zeros(1, dtype=np.uint8)
-    return Cells(certainty, touched, mark, *words, edges, cell, hit, miss, most)
+    words = np.zeros((3, count, count), dtype=np.uint32)
+    return Cells(
+        np.zeros(shape, dtype=np.int8),
+        np.zeros(shape, dtype=np.uint8),
+        np.zeros(1, dtype=np.uint8),
+        words[0],
+        words[1],
+        words[2],
+        edges,
+        cell,
+        hit,
+        miss,
+        most,
+    )
 
 
 def begin_update(cells: Cells) -> None:
@@ -98,10 +108,16 @@ def _with(word: np.uint32, bit: np.uint32, is_set: bool) -> np.uint32:
 def mark_hit(cells: Cells, i: int, j: int, band: int) -> None:
     """Make a cell surer to be occupied, once an update; what seemed free is forgotten at once."""
     hit = int(cells.mark[0]) + 1
-    if cells.touched[i, j, band] != hit:
-        cells.touched[i, j, band] = hit
-        value = int(cells.certainty[i, j, band])
-        judge(cells, i, j, band, min((value if value > 0 else 0) + cells.hit, cells.most))
+    if cells.touched[i, j, band] == hit:
+        return
+    cells.touched[i, j, band] = hit
+    value = int(cells.certainty[i, j, band])
+    cells.certainty[i, j, band] = min((value if value > 0 else 0) + cells.hit, cells.most)
+    if value < cells.hit:
+        bit = np.uint32(1) << np.uint32(band)
+        cells.occupied[i, j] |= bit
+        cells.free[i, j] &= ~bit
+        cells.settled[i, j] &= ~bit
 
 
 @compiled
@@ -122,19 +138,22 @@ def mark_passed_bands(cells: Cells, i: int, j: int, bands: np.uint32) -> None:
 
     Each cell once an update: unlike `mark_passed` this does not remember that it did.
     """
-    hit = int(cells.mark[0]) + 1
+    hit, certainty, touched = int(cells.mark[0]) + 1, cells.certainty, cells.touched
     left = bands & ~cells.settled[i, j]
     occupied, free, settled = cells.occupied[i, j], cells.free[i, j], cells.settled[i, j]
-    for band in range(cells.certainty.shape[2]):
+    for band in range(certainty.shape[2]):
         bit = np.uint32(1) << np.uint32(band)
         # A cell hit in this update is occupied: only then is its mark looked at.
-        if not left & bit or (occupied & bit and cells.touched[i, j, band] == hit):
+        if not left & bit or (occupied & bit and touched[i, j, band] == hit):
             continue
-        value = max(int(cells.certainty[i, j, band]) - cells.miss, -cells.hit)
-        cells.certainty[i, j, band] = value
-        occupied = _with(occupied, bit, value >= cells.hit)
-        free = _with(free, bit, value < 0)
-        settled = _with(settled, bit, value <= -cells.hit)
+        value = max(int(certainty[i, j, band]) - cells.miss, -cells.hit)
+        certainty[i, j, band] = value
+        if value < cells.hit:
+            occupied &= ~bit
+        if value < 0:
+            free |= bit
+        if value == -cells.hit:
+            settled |= bit
     cells.occupied[i, j], cells.free[i, j], cells.settled[i, j] = occupied, free, settled
 
 

@@ -18,26 +18,42 @@ from .depth_kernels import Image
 from .map_cells import Cells, Origin, band_of, line_beside, mark_hit, mark_passed_bands, ring_line
 
 
-class View(NamedTuple):
-    """A depth camera and what its pixels mean.
+class Optics(NamedTuple):
+    """What the pixels of a depth camera mean.
 
     Attributes:
-        lens: fx, fy, cx, cy [px].
-        pose: Rotation camera_to_body and position of the camera in the body frame, shape (3, 4).
-        chair: Pose of the chair in the world, shape (3,).
+        fx: Focal length along the columns [px].
+        fy: Focal length along the rows [px].
+        cx: Column of the optical axis [px].
+        cy: Row of the optical axis [px].
         per_metre: What one metre is in the image.
         furthest: Depth beyond which returns are not used [m].
         short: How much before a return a cell must lie to be free, at no depth [m].
         growth: What that grows by with the square of the depth [1/m].
     """
 
-    lens: Array
-    pose: Array
-    chair: Array
+    fx: float
+    fy: float
+    cx: float
+    cy: float
     per_metre: np.float32
     furthest: float
     short: float
     growth: float
+
+
+class View(NamedTuple):
+    """A depth camera where it is.
+
+    Attributes:
+        optics: What its pixels mean.
+        pose: Rotation camera_to_body and position of the camera in the body frame, shape (3, 4).
+        chair: Pose of the chair in the world, shape (3,).
+    """
+
+    optics: Optics
+    pose: Array
+    chair: Array
 
 
 @compiled
@@ -65,36 +81,45 @@ def hit_pixels(
         obstacle: Its value of an obstacle.
         stride: Every how many pixels, along rows and columns, one is looked at.
     """
-    size, scale = cells.occupied.shape[0], 1.0 / cells.cell
+    size, scale, optics, pose = len(cells.free), 1.0 / cells.cell, view.optics, view.pose
     start_i, start_j = origin[0] % size, origin[1] % size
-    band = 0
     cos, sin = math.cos(view.chair[2]), math.sin(view.chair[2])
-    across = (np.arange(image.shape[1]) - view.lens[2]) / view.lens[0]
-    pose = view.pose
+    chair_x, chair_y = view.chair[0], view.chair[1]
+    eye_x, eye_y, eye_z = pose[0, 3], pose[1, 3], pose[2, 3]
+    area_x, area_y, each = area[0], area[1], 1.0 / area[2]
+    least, growth = limits[0], limits[1]
+    across = (np.arange(image.shape[1]) - optics.cx) / optics.fx
+    aheads, lefts, ups = pose[0, 0] * across, pose[1, 0] * across, pose[2, 0] * across
+    hits, band = np.empty((image.shape[1], 3), dtype=np.int64), 0
     for row in range(0, image.shape[0], stride):
-        down = (row - view.lens[3]) / view.lens[1]
+        down = (row - optics.cy) / optics.fy
         ahead = pose[0, 1] * down + pose[0, 2]
         left = pose[1, 1] * down + pose[1, 2]
         up = pose[2, 1] * down + pose[2, 2]
+        count = 0
         for column in range(0, image.shape[1], stride):
-            z = float(np.float32(image[row, column]) / view.per_metre)
-            if z <= 0.0 or z > view.furthest:
+            z = float(np.float32(image[row, column]) / optics.per_metre)
+            height = eye_z + z * (ups[column] + up)
+            if z <= 0.0 or z > optics.furthest or height <= least + growth * z:
                 continue
-            height = pose[2, 3] + z * (pose[2, 0] * across[column] + up)
-            if height <= limits[0] + limits[1] * z:
-                continue
-            x = pose[0, 3] + z * (pose[0, 0] * across[column] + ahead)
-            y = pose[1, 3] + z * (pose[1, 0] * across[column] + left)
-            k, m = (x - area[0]) / area[2], (y - area[1]) / area[2]
+            x = eye_x + z * (aheads[column] + ahead)
+            y = eye_y + z * (lefts[column] + left)
+            k, m = (x - area_x) * each, (y - area_y) * each
             if not (0.0 <= k < seen.shape[0] and 0.0 <= m < seen.shape[1]):
                 continue
-            band = band_of(height, cells.edges, band)
-            if band < 0 or seen[int(k), int(m)] != obstacle:
+            i = math.floor((chair_x + cos * x - sin * y) * scale) - origin[0]
+            j = math.floor((chair_y + sin * x + cos * y) * scale) - origin[1]
+            if not (0 <= i < size and 0 <= j < size):
                 continue
-            i = math.floor((view.chair[0] + cos * x - sin * y) * scale) - origin[0]
-            j = math.floor((view.chair[1] + sin * x + cos * y) * scale) - origin[1]
-            if 0 <= i < size and 0 <= j < size:
-                mark_hit(cells, ring_line(i, start_i, size), ring_line(j, start_j, size), band)
+            band = band_of(height, cells.edges, band)
+            if band < 0:
+                continue
+            hits[count, 0], hits[count, 1], hits[count, 2] = i, j, band
+            count += int(seen[int(k), int(m)] == obstacle)
+        for hit in range(count):
+            a = ring_line(hits[hit, 0], start_i, size)
+            b = ring_line(hits[hit, 1], start_j, size)
+            mark_hit(cells, a, b, hits[hit, 2])
 
 
 @compiled
@@ -104,76 +129,145 @@ def pass_pixels(cells: Cells, origin: Origin, view: View, image: Image) -> None:
     Asked at the height of each band's middle, at the left and the right end of what four cells
     span in the image.
     """
-    size, cell = cells.occupied.shape[0], cells.cell
-    heights = 0.5 * (cells.edges[1:] + cells.edges[:-1])
-    cos, sin = math.cos(view.chair[2]), math.sin(view.chair[2])
-    pose, lens = view.pose, view.lens
-    eye_x = view.chair[0] + cos * pose[0, 3] - sin * pose[1, 3]
-    eye_y = view.chair[1] + sin * pose[0, 3] + cos * pose[1, 3]
-    reach = math.hypot(view.furthest, view.furthest)
-    i_from = max(math.floor((eye_x - reach) / cell), origin[0])
-    i_to = min(math.floor((eye_x + reach) / cell), origin[0] + size - 2)
-    j_from = max(math.floor((eye_y - reach) / cell), origin[1])
-    j_to = min(math.floor((eye_y + reach) / cell), origin[1] + size - 2)
+    size, cell, settled = cells.occupied.shape[0], cells.cell, cells.settled
     start_i, start_j = origin[0] % size, origin[1] % size
-    bands = np.uint32((1 << len(heights)) - 1)
-    settled = cells.settled
-    for i in range(i_from + i_from % 2, i_to + 1, 2):
+    columns = _columns(view, 0.5 * (cells.edges[1:] + cells.edges[:-1]))
+    sides = _sides_of_view(view.optics, image, columns)
+    every = np.uint32((1 << len(columns.rises)) - 1)
+    east_of_eye, north_of_eye = columns.eye[0], columns.eye[1]
+    to_x, to_y, to_z = columns.north[0], columns.north[1], columns.north[2]
+    for i in range(origin[0] + origin[0] % 2, origin[0] + size - 1, 2):
+        east = (i + 1) * cell - east_of_eye
+        x0, y0, z0 = columns.east[0] * east, columns.east[1] * east, columns.east[2] * east
+        south_end, north_end = _between(sides, east)
+        j_from = max(math.floor((south_end + north_of_eye) / cell) - 2, origin[1])
+        j_to = min(math.floor((north_end + north_of_eye) / cell) + 1, origin[1] + size - 2)
         a = ring_line(i - origin[0], start_i, size)
         c = line_beside(a, 1, size)
         for j in range(j_from + j_from % 2, j_to + 1, 2):
             b = ring_line(j - origin[1], start_j, size)
             d = line_beside(b, 1, size)
-            left_over = bands & ~(settled[a, b] & settled[a, d] & settled[c, b] & settled[c, d])
-            if left_over == 0:
+            bands = every & ~(settled[a, b] & settled[a, d] & settled[c, b] & settled[c, d])
+            if bands == 0:
                 continue
-            east, north = (i + 1) * cell - eye_x, (j + 1) * cell - eye_y
-            ahead, left = cos * east + sin * north, cos * north - sin * east
-            # The column at the camera's height, in the camera frame; heights add a multiple of up.
-            x0 = pose[0, 0] * ahead + pose[1, 0] * left
-            y0 = pose[0, 1] * ahead + pose[1, 1] * left
-            z0 = pose[0, 2] * ahead + pose[1, 2] * left
-            if _is_beside_view(pose, lens[0], lens[2], image.shape[1], heights, x0, z0):
-                continue
-            passed = np.uint32(0)
-            for band in range(len(heights)):
-                bit = np.uint32(1) << np.uint32(band)
-                if not left_over & bit:
-                    continue
-                rise = heights[band] - pose[2, 3]
-                z = z0 + pose[2, 2] * rise
-                if z <= 0.0 or z >= view.furthest:
-                    continue
-                each = 1.0 / z
-                half = lens[0] * cell * each
-                u = lens[0] * (x0 + pose[2, 0] * rise) * each + lens[2] + 0.5
-                v = lens[1] * (y0 + pose[2, 1] * rise) * each + lens[3] + 0.5
-                if not (half <= u < image.shape[1] - half and 0.0 <= v < image.shape[0]):
-                    continue
-                seen = min(image[int(v), int(u - half)], image[int(v), int(u + half)])
-                depth = float(np.float32(seen) / view.per_metre)
-                if depth > z + view.short + view.growth * z * z:
-                    passed |= bit
-            if passed:
-                mark_passed_bands(cells, a, b, passed)
-                mark_passed_bands(cells, a, d, passed)
-                mark_passed_bands(cells, c, b, passed)
-                mark_passed_bands(cells, c, d, passed)
+            north = (j + 1) * cell - north_of_eye
+            x, y, z = x0 + north * to_x, y0 + north * to_y, z0 + north * to_z
+            bands = _bands_in_front(view.optics, image, columns.rises, x, y, z, cell, bands)
+            if bands:
+                mark_passed_bands(cells, a, b, bands)
+                mark_passed_bands(cells, a, d, bands)
+                mark_passed_bands(cells, c, b, bands)
+                mark_passed_bands(cells, c, d, bands)
+
+
+class Columns(NamedTuple):
+    """Columns of cells as a camera sees them: its frame is affine in east, north and height.
+
+    Attributes:
+        eye: Where the camera is in the world, shape (2,), [m].
+        east: Camera coordinates of a metre to the east, shape (3,).
+        north: Of a metre to the north, shape (3,).
+        rises: Of each band's middle above the camera, shape (K, 3), [m].
+    """
+
+    eye: Array
+    east: Array
+    north: Array
+    rises: Array
 
 
 @compiled
-def _is_beside_view(
-    pose: Array, focal: float, middle: float, width: int, heights: Array, x0: float, z0: float
-) -> bool:
-    """Return whether a column of cells lies behind the camera or beside its image, all of it."""
-    below, above = heights[0] - pose[2, 3], heights[-1] - pose[2, 3]
-    z_below, z_above = z0 + pose[2, 2] * below, z0 + pose[2, 2] * above
-    if z_below <= 0.0 and z_above <= 0.0:
-        return True
-    # Left and right of the image are half-spaces through the camera; a line is in one if its ends
-    # are.
-    x_below, x_above = x0 + pose[2, 0] * below, x0 + pose[2, 0] * above
-    left, right = -(middle + 0.5) / focal, (width - 0.5 - middle) / focal
-    if x_below < left * z_below and x_above < left * z_above:
-        return True
-    return bool(x_below > right * z_below and x_above > right * z_above)
+def _columns(view: View, heights: Array) -> Columns:
+    """Return how the camera sees columns of cells, given the heights of the bands' middles."""
+    cos, sin, pose = math.cos(view.chair[2]), math.sin(view.chair[2]), view.pose
+    eye = np.array(
+        [
+            view.chair[0] + cos * pose[0, 3] - sin * pose[1, 3],
+            view.chair[1] + sin * pose[0, 3] + cos * pose[1, 3],
+        ]
+    )
+    rises = np.empty((len(heights), 3))
+    for band in range(len(heights)):
+        rises[band] = (heights[band] - pose[2, 3]) * pose[2, :3]
+    return Columns(
+        eye, cos * pose[0, :3] - sin * pose[1, :3], sin * pose[0, :3] + cos * pose[1, :3], rises
+    )
+
+
+@compiled
+def _sides_of_view(optics: Optics, image: Image, columns: Columns) -> Array:
+    """Return half-planes that hold all columns in view, shape (6, 3): [a, b, c].
+
+    Of a column at [east, north] from the eye something may be in view where
+    a east + b north + c >= 0. Each side of the view is a plane; a column crosses it unless both
+    its ends are outside.
+    """
+    fx, fy, cx, cy = optics.fx, optics.fy, optics.cx, optics.cy
+    height, width = image.shape
+    planes = np.array(
+        [
+            [0.0, 0.0, 1.0, 0.0],
+            [0.0, 0.0, -1.0, optics.furthest],
+            [fx, 0.0, cx + 0.5, 0.0],
+            [-fx, 0.0, width - 0.5 - cx, 0.0],
+            [0.0, fy, cy + 0.5, 0.0],
+            [0.0, -fy, height - 0.5 - cy, 0.0],
+        ]
+    )
+    sides = np.zeros((len(planes), 3))
+    for side in range(len(planes)):
+        below = above = planes[side, 3]
+        for axis in range(3):
+            sides[side, 0] += planes[side, axis] * columns.east[axis]
+            sides[side, 1] += planes[side, axis] * columns.north[axis]
+            below += planes[side, axis] * columns.rises[0, axis]
+            above += planes[side, axis] * columns.rises[-1, axis]
+        sides[side, 2] = max(below, above)
+    return sides
+
+
+@compiled
+def _between(sides: Array, east: float) -> tuple[float, float]:
+    """Return from where to where north a line of columns is inside half-planes [m]."""
+    first, last = -1e6, 1e6
+    for side in range(len(sides)):
+        slope, room = sides[side, 1], sides[side, 0] * east + sides[side, 2]
+        if slope > 0.0:
+            first = max(first, -room / slope)
+        elif slope < 0.0:
+            last = min(last, -room / slope)
+        elif room < 0.0:
+            return 1e6, -1e6
+    return max(first, -1e6), min(last, 1e6)
+
+
+@compiled
+def _bands_in_front(
+    optics: Optics,
+    image: Image,
+    rises: Array,
+    x0: float,
+    y0: float,
+    z0: float,
+    cell: float,
+    bands: np.uint32,
+) -> np.uint32:
+    """Return in which of the bands four cells lie before what their pixels see."""
+    height, width = image.shape
+    passed = np.uint32(0)
+    for band in range(len(rises)):
+        bit = np.uint32(1) << np.uint32(band)
+        z = z0 + rises[band, 2]
+        if not bands & bit or z <= 0.0 or z >= optics.furthest:
+            continue
+        each = 1.0 / z
+        half = optics.fx * cell * each
+        u = optics.fx * (x0 + rises[band, 0]) * each + optics.cx + 0.5
+        v = optics.fy * (y0 + rises[band, 1]) * each + optics.cy + 0.5
+        if not (half <= u < width - half and 0.0 <= v < height):
+            continue
+        seen = min(image[int(v), int(u - half)], image[int(v), int(u + half)])
+        depth = float(np.float32(seen) / optics.per_metre)
+        if depth > z + optics.short + optics.growth * z * z:
+            passed |= bit
+    return passed

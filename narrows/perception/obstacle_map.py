@@ -27,7 +27,7 @@ from .body_slabs import body_slabs
 from .camera import DepthCamera
 from .depth_image import depth_frame
 from .map_cells import begin_update, forget_lines, unknown_cells
-from .map_depth_kernels import View, hit_pixels, pass_pixels
+from .map_depth_kernels import Optics, View, hit_pixels, pass_pixels
 from .map_look_kernels import look_around, stand_on
 from .map_options import MapOptions
 from .map_ray_kernels import hit_points, pass_rays
@@ -191,15 +191,18 @@ class ObstacleMap:
         camera, mounting, area = finder.camera, seen.floor.mounting, seen.grid
         frame = depth_frame(depth, camera.intrinsics)
         lens = camera.intrinsics
-        view = View(
-            np.array([lens.fx, lens.fy, lens.cx, lens.cy]),
-            np.column_stack([mounting.camera_to_body, mounting.position]),
-            self.pose,
+        optics = Optics(
+            float(lens.fx),
+            float(lens.fy),
+            float(lens.cx),
+            float(lens.cy),
             frame.per_metre,
             camera.furthest,
             self.options.short,
             finder.options.steps * camera.step,
         )
+        pose = np.column_stack([mounting.camera_to_body, mounting.position])
+        view = View(optics, pose, self.pose)
         corner = np.array([area.x_from, area.y_from, area.cell])
         begin_update(self._cells)
         holes = area.spots(np.equal(seen.cells, Cell.DROP), 0.7 * self.options.cell)
