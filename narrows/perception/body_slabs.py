@@ -49,3 +49,12 @@ def body_slabs(vehicle: Vehicle, edges: Array) -> list[Slab]:
 def depth_in(slab: Slab, points: Array) -> Array:
     """Return how deep points (N, 2) of the body frame lie in a layer, shape (N,), [m]."""
     return np.asarray((slab.offsets - points @ slab.normals.T).min(axis=1))
+
+
+def are_inside(slabs: list[Slab], points: Array, margin: float) -> NDArray[np.bool_]:
+    """Return which points (N, 3) of the body frame lie deeper than a margin [m] in the body."""
+    inside = np.zeros(len(points), dtype=bool)
+    for slab in slabs:
+        is_level = (points[:, 2] >= slab.low) & (points[:, 2] < slab.high)
+        inside |= is_level & (depth_in(slab, points[:, :2]) > margin)
+    return inside

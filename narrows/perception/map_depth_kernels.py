@@ -7,7 +7,6 @@ middle lies before what its pixel sees, so that the cost does not grow with the 
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,44 +15,7 @@ from ..se2 import Array
 from .compiled import compiled
 from .depth_kernels import Image
 from .map_cells import Cells, Origin, band_of, line_beside, mark_hit, mark_passed_bands, ring_line
-
-
-class Optics(NamedTuple):
-    """What the pixels of a depth camera mean.
-
-    Attributes:
-        fx: Focal length along the columns [px].
-        fy: Focal length along the rows [px].
-        cx: Column of the optical axis [px].
-        cy: Row of the optical axis [px].
-        per_metre: What one metre is in the image.
-        furthest: Depth beyond which returns are not used [m].
-        short: How much before a return a cell must lie to be free, at no depth [m].
-        growth: What that grows by with the square of the depth [1/m].
-    """
-
-    fx: float
-    fy: float
-    cx: float
-    cy: float
-    per_metre: np.float32
-    furthest: float
-    short: float
-    growth: float
-
-
-class View(NamedTuple):
-    """A depth camera where it is.
-
-    Attributes:
-        optics: What its pixels mean.
-        pose: Rotation camera_to_body and position of the camera in the body frame, shape (3, 4).
-        chair: Pose of the chair in the world, shape (3,).
-    """
-
-    optics: Optics
-    pose: Array
-    chair: Array
+from .map_view_kernels import Optics, View, between, columns_of, sides_of_view
 
 
 @compiled
@@ -131,15 +93,15 @@ def pass_pixels(cells: Cells, origin: Origin, view: View, image: Image) -> None:
     """
     size, cell, settled = cells.occupied.shape[0], cells.cell, cells.settled
     start_i, start_j = origin[0] % size, origin[1] % size
-    columns = _columns(view, 0.5 * (cells.edges[1:] + cells.edges[:-1]))
-    sides = _sides_of_view(view.optics, image, columns)
+    columns = columns_of(view, 0.5 * (cells.edges[1:] + cells.edges[:-1]))
+    sides = sides_of_view(view.optics, image, columns)
     every = np.uint32((1 << len(columns.rises)) - 1)
     east_of_eye, north_of_eye = columns.eye[0], columns.eye[1]
     to_x, to_y, to_z = columns.north[0], columns.north[1], columns.north[2]
     for i in range(origin[0] + origin[0] % 2, origin[0] + size - 1, 2):
         east = (i + 1) * cell - east_of_eye
         x0, y0, z0 = columns.east[0] * east, columns.east[1] * east, columns.east[2] * east
-        south_end, north_end = _between(sides, east)
+        south_end, north_end = between(sides, east)
         j_from = max(math.floor((south_end + north_of_eye) / cell) - 2, origin[1])
         j_to = min(math.floor((north_end + north_of_eye) / cell) + 1, origin[1] + size - 2)
         a = ring_line(i - origin[0], start_i, size)
@@ -158,87 +120,6 @@ def pass_pixels(cells: Cells, origin: Origin, view: View, image: Image) -> None:
                 mark_passed_bands(cells, a, d, bands)
                 mark_passed_bands(cells, c, b, bands)
                 mark_passed_bands(cells, c, d, bands)
-
-
-class Columns(NamedTuple):
-    """Columns of cells as a camera sees them: its frame is affine in east, north and height.
-
-    Attributes:
-        eye: Where the camera is in the world, shape (2,), [m].
-        east: Camera coordinates of a metre to the east, shape (3,).
-        north: Of a metre to the north, shape (3,).
-        rises: Of each band's middle above the camera, shape (K, 3), [m].
-    """
-
-    eye: Array
-    east: Array
-    north: Array
-    rises: Array
-
-
-@compiled
-def _columns(view: View, heights: Array) -> Columns:
-    """Return how the camera sees columns of cells, given the heights of the bands' middles."""
-    cos, sin, pose = math.cos(view.chair[2]), math.sin(view.chair[2]), view.pose
-    eye = np.array(
-        [
-            view.chair[0] + cos * pose[0, 3] - sin * pose[1, 3],
-            view.chair[1] + sin * pose[0, 3] + cos * pose[1, 3],
-        ]
-    )
-    rises = np.empty((len(heights), 3))
-    for band in range(len(heights)):
-        rises[band] = (heights[band] - pose[2, 3]) * pose[2, :3]
-    return Columns(
-        eye, cos * pose[0, :3] - sin * pose[1, :3], sin * pose[0, :3] + cos * pose[1, :3], rises
-    )
-
-
-@compiled
-def _sides_of_view(optics: Optics, image: Image, columns: Columns) -> Array:
-    """Return half-planes that hold all columns in view, shape (6, 3): [a, b, c].
-
-    Of a column at [east, north] from the eye something may be in view where
-    a east + b north + c >= 0. Each side of the view is a plane; a column crosses it unless both
-    its ends are outside.
-    """
-    fx, fy, cx, cy = optics.fx, optics.fy, optics.cx, optics.cy
-    height, width = image.shape
-    planes = np.array(
-        [
-            [0.0, 0.0, 1.0, 0.0],
-            [0.0, 0.0, -1.0, optics.furthest],
-            [fx, 0.0, cx + 0.5, 0.0],
-            [-fx, 0.0, width - 0.5 - cx, 0.0],
-            [0.0, fy, cy + 0.5, 0.0],
-            [0.0, -fy, height - 0.5 - cy, 0.0],
-        ]
-    )
-    sides = np.zeros((len(planes), 3))
-    for side in range(len(planes)):
-        below = above = planes[side, 3]
-        for axis in range(3):
-            sides[side, 0] += planes[side, axis] * columns.east[axis]
-            sides[side, 1] += planes[side, axis] * columns.north[axis]
-            below += planes[side, axis] * columns.rises[0, axis]
-            above += planes[side, axis] * columns.rises[-1, axis]
-        sides[side, 2] = max(below, above)
-    return sides
-
-
-@compiled
-def _between(sides: Array, east: float) -> tuple[float, float]:
-    """Return from where to where north a line of columns is inside half-planes [m]."""
-    first, last = -1e6, 1e6
-    for side in range(len(sides)):
-        slope, room = sides[side, 1], sides[side, 0] * east + sides[side, 2]
-        if slope > 0.0:
-            first = max(first, -room / slope)
-        elif slope < 0.0:
-            last = min(last, -room / slope)
-        elif room < 0.0:
-            return 1e6, -1e6
-    return max(first, -1e6), min(last, 1e6)
 
 
 @compiled

@@ -86,10 +86,11 @@ def test_the_sensor_silent_longest_gives_the_time():
     assert chart.heard == {"front": 3.0, "rear": 2.5}
 
 
-def test_a_sensor_nobody_named_is_refused():
+def test_a_sensor_nobody_named_is_refused_before_anything_changes():
     chart = ObstacleMap(MapOptions(sensors=("front",)))
     with pytest.raises(InputError, match="no such sensor"):
         chart.add_scan(half_turn(wall_ranges(2.0)))
+    assert (chart.states() == Cell.UNKNOWN).all()
 
 
 @pytest.mark.parametrize(("scans", "doubted", "gone"), [(1, 1, 5), (2, 5, 9), (40, 13, 17)])
