@@ -145,6 +145,7 @@ def verify_command(scene: str, trajectory: str, picture: str | None, as_json: bo
         "narrows drive examples/scenes/door.yaml --save-trajectory door.csv --record drive.csv",
         "narrows drive examples/scenes/door.yaml --trajectory door.csv --json",
         "narrows drive examples/scenes/somebody-in-the-door.yaml --controller navigator",
+        "narrows drive examples/scenes/door.yaml --controller navigator --senses sensors",
         "narrows drive examples/scenes/course.yaml --controller assistant --driver hasty",
     ),
 )
@@ -161,6 +162,19 @@ def verify_command(scene: str, trajectory: str, picture: str | None, as_json: bo
     metavar="NAME",
     help="Who watches: navigator guards the tracker, stops and waits; assistant helps a driver who "
     "has the plan's way in mind. Default: nobody.",
+)
+@click.option(
+    "--senses",
+    metavar="NAME",
+    help="What the navigator perceives with. ideal (default): all outlines within 3 m, so that the "
+    "drive judges the navigator alone; sensors: the chair's laser scanners and depth camera, noisy "
+    "and late, and the map that remembers.",
+)
+@click.option(
+    "--silent-from",
+    type=click.FloatRange(min=0.0),
+    metavar="SECONDS",
+    help="When the navigator's senses fall silent for good.",
 )
 @click.option("--driver", metavar="NAME", help="Who drives with the assistant. Default: steady.")
 @click.option(
@@ -183,6 +197,8 @@ def drive_command(
     scene: str,
     tracker: str,
     controller: str | None,
+    senses: str | None,
+    silent_from: float | None,
     driver: str | None,
     regions: str | None,
     planner: str,
@@ -201,6 +217,8 @@ def drive_command(
             scene,
             tracker=tracker,
             controller=controller,
+            senses=senses,
+            silent_from=silent_from,
             driver=driver,
             regions=regions,
             planner=planner,

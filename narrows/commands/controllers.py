@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path as FilePath
@@ -51,12 +52,16 @@ class Wishes:
         regions: File of the chair's safety regions: read, or computed and written; None:
             computed for this drive.
         report: Called with the share of what must be computed before the drive.
+        senses: What the navigator perceives with, see `narrows.simulation.named_senses`.
+        silent_from: When those fall silent for good [s].
     """
 
     tracker: str = "lookahead"
     driver: str = "steady"
     regions: str | None = None
     report: Callable[[float], None] | None = None
+    senses: str = "ideal"
+    silent_from: float = math.inf
 
 
 Maker = Callable[[Scene, Path | Trajectory, Wishes], Fitted]
@@ -64,10 +69,10 @@ Maker = Callable[[Scene, Path | Trajectory, Wishes], Fitted]
 
 
 def _navigator(scene: Scene, motion: Path | Trajectory, wishes: Wishes) -> Fitted:
-    from ..reactive.navigator_guard import GuardOptions
+    from ..reactive.navigator_guard_options import GuardOptions
     from ..reactive.navigator_known import KnownSolids
     from ..reactive.navigator_tracking import GuardedTracker
-    from ..simulation.senses import IdealSenses
+    from ..simulation.named_senses import make_senses
     from ..tracking.registry import make_tracker
 
     # By progress, not by the trajectory's clock: the chair may have to wait for somebody.
@@ -86,8 +91,11 @@ def _navigator(scene: Scene, motion: Path | Trajectory, wishes: Wishes) -> Fitte
         scene.vehicle,
         guard,
         known=KnownSolids(scene.world),
+        path=path,
     )
-    return Fitted(controller, IdealSenses(scene.world), options, lambda: controller.reason)
+    silent = ((wishes.silent_from, math.inf),) if wishes.silent_from < math.inf else ()
+    senses = make_senses(wishes.senses, scene, silent=silent)
+    return Fitted(controller, senses, options, lambda: controller.reason)
 
 
 def _assistant(scene: Scene, motion: Path | Trajectory, wishes: Wishes) -> Fitted:
@@ -153,6 +161,8 @@ def make_controller(
     driver: str = "steady",
     regions: str | None = None,
     report: Callable[[float], None] | None = None,
+    senses: str = "ideal",
+    silent_from: float = math.inf,
 ) -> Fitted:
     """Return a controller that drives a planned motion of a scene.
 
@@ -164,9 +174,12 @@ def make_controller(
         driver: See `Wishes`.
         regions: See `Wishes`.
         report: See `Wishes`.
+        senses: See `Wishes`.
+        silent_from: See `Wishes`.
 
     Raises:
-        InputError: If there is no such controller or driver, or the regions cannot be used.
+        InputError: If there is no such controller, driver or senses, or the regions cannot be used.
     """
     check_controller(name)
-    return _MAKERS[name](scene, motion, Wishes(tracker, driver, regions, report))
+    wishes = Wishes(tracker, driver, regions, report, senses, silent_from)
+    return _MAKERS[name](scene, motion, wishes)

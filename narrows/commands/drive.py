@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -65,6 +66,8 @@ def run_drive(
     controller: str | None = None,
     driver: str | None = None,
     regions: str | None = None,
+    senses: str | None = None,
+    silent_from: float | None = None,
     report: Callable[[float], None] | None = None,
 ) -> Outcome:
     """Plan a scene or take a given trajectory, drive it in the simulator, judge the drive.
@@ -79,9 +82,18 @@ def run_drive(
             alone drives, blind.
         driver: Who sits in the chair, with the assistant; None: the steady one.
         regions: File of the chair's safety regions, for the assistant.
+        senses: What the navigator perceives with, one of `senses_names()`; None: "ideal".
+        silent_from: When the navigator's senses fall silent for good [s]; None: never.
         report: Called with the share of the drive that is done.
     """
-    _check_options(tracker, controller, driver, regions, given, files)
+    _check_options(tracker, controller, given, files)
+    _check_belongings(
+        controller,
+        {
+            "assistant": {"--driver": driver, "--regions": regions},
+            "navigator": {"--senses": senses, "--silent-from": silent_from},
+        },
+    )
     files.check()
     scene = load_scene(scene_file)
     if given is None:
@@ -106,6 +118,8 @@ def run_drive(
     else:
         make = partial(make_controller, controller, scene, motion, tracker=tracker)
         make = partial(make, driver=driver or "steady", regions=regions)
+        make = partial(make, senses=senses or "ideal")
+        make = partial(make, silent_from=math.inf if silent_from is None else silent_from)
         record, outcome = _watched(scene, motion, make, report)
         said = lines((controller, outcome))
     head = lines(head, said)
@@ -124,8 +138,6 @@ def run_drive(
 def _check_options(
     tracker: str,
     controller: str | None,
-    driver: str | None,
-    regions: str | None,
     given: str | None,
     files: DriveFiles,
 ) -> None:
@@ -139,9 +151,16 @@ def _check_options(
         raise InputError("--save-trajectory saves what is planned; leave it out with --trajectory")
     if controller is not None:
         check_controller(controller)
-    for option, value in (("--driver", driver), ("--regions", regions)):
-        if value is not None and controller != "assistant":
-            raise InputError(f"{option} belongs to --controller assistant", value=value)
+
+
+def _check_belongings(
+    controller: str | None, belongings: Mapping[str, Mapping[str, str | float | None]]
+) -> None:
+    """Say early that an option belongs to another controller."""
+    for owner, options in belongings.items():
+        for option, value in options.items():
+            if value is not None and controller != owner:
+                raise InputError(f"{option} belongs to --controller {owner}", value=value)
 
 
 def _watched(

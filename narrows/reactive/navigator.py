@@ -21,7 +21,8 @@ from ..vehicle import Vehicle
 from .deformable_zone import DeformableZone, Deformation, RayGrid, ZoneGains, zone_law
 from .fuzzy import FuzzyGoalController, polar_error
 from .fuzzy_table import DERIVED, RuleTable
-from .navigator_guard import Guard, GuardOptions
+from .navigator_guard import Guard
+from .navigator_guard_options import GuardOptions
 from .switching import Active, Switch, Thresholds
 from .zone_shape import ZoneShape
 

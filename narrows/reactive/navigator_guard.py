@@ -13,78 +13,19 @@ chair before the chair stands. Who cannot be told from furniture is not: see `tr
 from __future__ import annotations
 
 import math
-from collections import deque
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import ShapeError
-from ..geometry import edge_normals
 from ..interfaces import Percept
 from ..se2 import Array, transform
 from ..vehicle import Vehicle
-
-_CELL = 0.1  # m: places whose age is known
-_RING = 128  # cells: 12.8 m across
-_GONE = 0.5  # s: a place that was not seen for longer is empty
-_STEP = 0.02  # s: of the predicted way
-_APART = 0.03  # m: way of a body point between two looks
-
-
-@dataclass(frozen=True)
-class GuardOptions:
-    """What the guard reckons with.
-
-    Attributes:
-        deceleration: At which the chair can brake [m/s^2].
-        yaw_deceleration: At which it can stop turning [rad/s^2].
-        latency: Time from a command to its taking effect [s].
-        lag: Time constant of the motors [s].
-        period: Control period [s]: the next command comes that late.
-        margin: Distance the swept body keeps from points [m]: errors of pose and of motion.
-        walking: Speed of somebody who walks [m/s].
-        standing: How long the chair stands before somebody who walks can be there [s].
-        trusted_after: A place that has been occupied for so long is taken to be furniture [s].
-            Before, what is there may walk; also a wall just come into view.
-        oldest: Age of the percept from which on the chair stops [s].
-        margin_known: Distance kept from what was planned for [m]; negative: that much of it may
-            seem to be in the body, by errors of the sensors.
-        shares: Shares of a wanted command that are tried, falling.
-    """
-
-    deceleration: float = 0.8
-    yaw_deceleration: float = 2.0
-    latency: float = 0.0
-    lag: float = 0.05
-    period: float = 0.05
-    margin: float = 0.03
-    walking: float = 1.4
-    standing: float = 0.5
-    trusted_after: float = 4.0
-    oldest: float = 0.3
-    margin_known: float = -0.03
-    shares: tuple[float, ...] = (1.0, 0.8, 0.6, 0.45, 0.3, 0.2, 0.1)
-
-    def __post_init__(self) -> None:
-        """Check the numbers."""
-        for name in ("deceleration", "yaw_deceleration", "period"):
-            if not 0.0 < getattr(self, name) < math.inf:
-                raise ShapeError(f"{name} must be a positive number, got {getattr(self, name)}")
-        for name in (
-            "latency",
-            "lag",
-            "margin",
-            "walking",
-            "trusted_after",
-            "oldest",
-        ):
-            if not 0.0 <= getattr(self, name) < math.inf:
-                raise ShapeError(f"{name} must be a number >= 0, got {getattr(self, name)}")
-        falling = all(a > b for a, b in zip(self.shares, (*self.shares[1:], 0.0), strict=True))
-        if not self.shares or self.shares[0] > 1.0 or not falling:
-            raise ShapeError(f"shares must fall from 1 at most to above 0, got {self.shares}")
+from .navigator_guard_options import GuardOptions
+from .navigator_motion import CommandedMotion
+from .navigator_places import Places
+from .navigator_sweep import Course, Obstacles, StoppingSweep
 
 
 class Guard:
@@ -114,21 +55,14 @@ class Guard:
         self.options = GuardOptions() if options is None else options
         self._known = known
         self.share, self.reason = 1.0, ""
-        self._radius = vehicle.radius
-        self._normals, self._offsets, self._heights = _half_planes(vehicle)
-        self._command = np.zeros(2)  # sent last
-        self._sent: deque[tuple[float, float, float]] = deque()  # taking effect at, v, omega
-        self._twist, self._target = np.zeros(2), np.zeros(2)
-        self._time = -math.inf
-        self._watched, self._watched_at = 0.0, -math.inf  # s of seeing; when it was seen last
-        self._index = np.full((_RING, _RING, 2), np.iinfo(np.int64).min, dtype=np.int64)
-        self._since = np.zeros((_RING, _RING))
-        self._seen = np.full((_RING, _RING), -math.inf)
+        self._sweep = StoppingSweep(vehicle, self.options)
+        self._motion = CommandedMotion(self.options.latency, self.options.lag)
+        self._places = Places()
 
     @property
     def twist(self) -> Array:
         """The [v, omega] the chair has by its own reckoning, shape (2,), [m/s, rad/s]."""
-        return self._twist.copy()
+        return self._motion.twist.copy()
 
     def stopping_distance(self, speed: float) -> float:
         """Return how far the chair goes until it stands, the period and the delays included [m].
@@ -148,6 +82,7 @@ class Guard:
         wanted: ArrayLike,
         *,
         otherwise: Sequence[ArrayLike] = (),
+        course: Course | None = None,
     ) -> Array:
         """Return the greatest share of a command that leaves room to stop, or braking, (2,).
 
@@ -157,94 +92,76 @@ class Guard:
             percept: What it knows of its surroundings.
             wanted: Command [v, omega] to be judged, shape (2,), [m/s, rad/s].
             otherwise: Commands to try whole, in this order, where no share of it passes.
+            course: The way the wanted commands follow; the chair is taken to stop on it. While
+                something that was not planned for stands on it within `berth`, nothing but braking
+                passes. None: the chair stops on the arc of the command.
         """
-        self._advance(time)
-        goal = _command(wanted)
+        motion, goal = self._motion, _command(wanted)
+        motion.advance(time)
         age = time - percept.time
         self.share, self.reason = 0.0, ""
         if not age <= self.options.oldest:
             self.reason = (
                 "nothing has been seen yet" if math.isinf(age) else "the sensors are silent"
             )
-            return self._send(time, self._braked())
+            return motion.send(time, self._braked(goal if course else None))
         obstacles = self._obstacles(time, pose, percept)
-        blocked, tried = -1, np.full(2, math.nan)
-        for share in self.options.shares:
-            command = self._reachable(share * goal)
+        blocked = -1 if course is None else self._sweep.first_on_course(obstacles, course)
+        tried = np.full(2, math.nan)
+        for share in self.options.shares if blocked < 0 else ():
+            command = self._reachable(share * goal, keeps_curve=course is not None)
             if (command == tried).all():
                 continue
             tried = command
-            blocked = self._first_in_way(obstacles, command, max(age, 0.0))
+            blocked = self._sweep.first_in_way(obstacles, motion, command, max(age, 0.0), course)
             if blocked < 0:
                 self.share = share
                 self.reason = "" if share == 1.0 else "slower, so as to be able to stop"
-                return self._send(time, command)
-        x, y = obstacles[0][blocked, :2]
+                return motion.send(time, command)
+        x, y = obstacles.points[blocked, :2]
         self.reason = f"something is in the way, {x:.2f} m ahead, {y:+.2f} m to the left"
         for other in otherwise:
             command = self._reachable(_command(other))
-            if self._first_in_way(obstacles, command, max(age, 0.0)) < 0:
-                return self._send(time, command)
-        return self._send(time, self._braked())
+            if self._sweep.first_in_way(obstacles, motion, command, max(age, 0.0)) < 0:
+                return motion.send(time, command)
+        return motion.send(time, self._braked(goal if course else None))
 
     def stop(self, time: float) -> Array:
         """Return the command of braking, whatever is perceived, shape (2,)."""
-        self._advance(time)
+        self._motion.advance(time)
         self.share = 0.0
-        return self._send(time, self._braked())
+        return self._motion.send(time, self._braked())
 
-    def _braked(self) -> Array:
-        """Return the command sent last, faded by one period's braking."""
-        v, omega = self._command
-        chosen = self.options
+    def _braked(self, steered: Array | None = None) -> Array:
+        """Return the command sent last, faded by one period's braking.
+
+        Args:
+            steered: A command (2,) whose curve is kept instead, so that the chair stops on it.
+        """
+        command, chosen = self._motion.command, self.options
+        if steered is not None and steered[0] * command[0] > 0.0:
+            speed = max(abs(command[0]) - chosen.deceleration * chosen.period, 0.0)
+            return np.asarray(min(1.0, speed / abs(steered[0])) * steered)
         fade = math.inf
-        if v:
-            fade = chosen.deceleration * chosen.period / abs(v)
-        if omega:
-            fade = min(fade, chosen.yaw_deceleration * chosen.period / abs(omega))
-        return np.asarray(max(0.0, 1.0 - fade) * self._command if fade < math.inf else np.zeros(2))
+        if command[0]:
+            fade = chosen.deceleration * chosen.period / abs(command[0])
+        if command[1]:
+            fade = min(fade, chosen.yaw_deceleration * chosen.period / abs(command[1]))
+        return np.asarray(max(0.0, 1.0 - fade) * command if fade < math.inf else np.zeros(2))
 
-    def _send(self, time: float, command: Array) -> Array:
-        self._command = np.array(command)
-        v, omega = self._command.tolist()
-        self._sent.append((time + self.options.latency, v, omega))
-        return self._command.copy()
-
-    def _advance(self, time: float) -> None:
-        """Reckon the chair's twist up to now by the commands sent."""
-        now = self._time if math.isfinite(self._time) else time
-        self._time = time
-        while now < time - 1e-9 or (self._sent and self._sent[0][0] <= time + 1e-9):
-            until = min(time, self._sent[0][0]) if self._sent else time
-            lag = self.options.lag
-            decay = math.exp(-max(until - now, 0.0) / lag) if lag > 0.0 else 0.0
-            self._twist = self._target + (self._twist - self._target) * decay
-            now = max(until, now)
-            if self._sent and self._sent[0][0] <= now + 1e-9:
-                _, v, omega = self._sent.popleft()
-                self._target = np.array([v, omega])
-
-    def _pending(self) -> Array:
-        """Return commands not yet in effect as rows [duration, v, omega], shape (Q, 3)."""
-        rows, begin, current = [], self._time, self._target.tolist()
-        for start, v, omega in self._sent:
-            rows.append((max(start - begin, 0.0), *current))
-            begin, current = max(start, begin), [v, omega]
-        left = self._time + self.options.latency - begin
-        if left > 1e-9:
-            rows.append((left, *current))
-        return np.array(rows).reshape(-1, 3)
-
-    def _reachable(self, goal: Array) -> Array:
+    def _reachable(self, goal: Array, *, keeps_curve: bool = False) -> Array:
         """Return the command nearest to a wanted one that the rates allow after the last.
 
         Of its shares the greatest one, so that the curve stays; where none is allowed, v and
-        omega are limited each by itself.
+        omega are limited each by itself, or the curve is kept and v alone limited.
         """
         chosen = self.options
         rates = np.array([chosen.deceleration, chosen.yaw_deceleration]) * chosen.period
-        low, high = self._command - rates, self._command + rates
+        low, high = self._motion.command - rates, self._motion.command + rates
         least, most = 0.0, 1.0
+        if keeps_curve and goal[0] != 0.0:
+            share = min(max(goal[0], low[0]), high[0]) / goal[0]
+            return share * goal if share >= 0.0 else np.clip(goal, low, high)
         for part in (0, 1):
             if goal[part] == 0.0:
                 if not low[part] <= 0.0 <= high[part]:
@@ -254,64 +171,24 @@ class Guard:
             least, most = max(least, ends[0]), min(most, ends[1])
         return most * goal if least <= most else np.clip(goal, low, high)
 
-    def _obstacles(
-        self, time: float, pose: ArrayLike, percept: Percept
-    ) -> tuple[Array, Array, Array]:
-        """Return all points, unknown places too, how fast each may move, what to keep from it."""
-        from .navigator_kernels import watch_cells
-
+    def _obstacles(self, time: float, pose: ArrayLike, percept: Percept) -> Obstacles:
+        """Return all points, unknown places too; those are taken to stand."""
         chosen = self.options
-        points, unknown = percept.points, percept.unknown
+        seen, unknown = len(percept.points), percept.unknown
+        low = np.full(len(unknown), self._sweep.lowest)
+        points = np.vstack([percept.points, np.column_stack([unknown, low])])
         world = transform(np.asarray(pose, dtype=float), points[:, :2])
-        # Time in which nothing is seen makes nobody furniture, and furniture nobody.
-        self._watched += min(time - self._watched_at, 2.0 * chosen.period)
-        self._watched_at, now = time, self._watched
-        since = watch_cells(
-            np.ascontiguousarray(world),
-            now,
-            _CELL,
-            _GONE,
-            chosen.trusted_after,
-            self._index,
-            self._since,
-            self._seen,
-        )
-        walking = np.where(now - since < chosen.trusted_after, chosen.walking, 0.0)
-        margins = np.full(len(points), chosen.margin + percept.spread)
+        long = chosen.trusted_after
+        ages = self._places.ages(time, world[:seen], long=long, gap=2.0 * chosen.period)
+        walking, margins = np.zeros(len(points)), np.full(len(points), chosen.margin)
+        margins += percept.spread
+        walking[:seen][ages < long] = chosen.walking
+        is_new = np.arange(len(points)) < seen
         if self._known is not None and len(points):
             planned = self._known(np.column_stack([world, points[:, 2]]))
-            walking[planned] = 0.0
+            walking[planned], is_new[planned] = 0.0, False
             margins[planned] = chosen.margin_known
-        if len(unknown):
-            low = np.full(len(unknown), self._heights[:, 0].min() + 1e-6)
-            points = np.vstack([points, np.column_stack([unknown, low])])
-            walking = np.concatenate([walking, np.zeros(len(low))])
-            margins = np.concatenate([margins, np.full(len(low), chosen.margin + percept.spread)])
-        return np.ascontiguousarray(points), walking, margins
-
-    def _first_in_way(
-        self, obstacles: tuple[Array, Array, Array], command: Array, age: float
-    ) -> int:
-        from .navigator_kernels import is_way_free, stopping_poses
-
-        chosen = self.options
-        points, walking, margins = obstacles
-        rows, between = stopping_poses(
-            self._twist,
-            self._pending(),
-            command,
-            (chosen.deceleration, chosen.yaw_deceleration),
-            chosen.period,
-            chosen.period / math.ceil(chosen.period / _STEP),
-            chosen.lag,
-            self._radius,
-            _APART,
-        )
-        rows = np.vstack([rows, rows[-1]])
-        rows[-1, 0] += chosen.standing
-        between = np.append(between, 0.0)
-        planes = (self._normals, self._offsets, self._heights)
-        return int(is_way_free(points, walking, rows, between, *planes, margins, age))
+        return Obstacles(np.ascontiguousarray(points), walking, margins, is_new)
 
 
 def _command(wanted: ArrayLike) -> Array:
@@ -319,17 +196,3 @@ def _command(wanted: ArrayLike) -> Array:
     if command.shape != (2,) or not np.isfinite(command).all():
         raise ShapeError(f"a command is finite [v, omega], got {command}")
     return command
-
-
-def _half_planes(vehicle: Vehicle) -> tuple[Array, Array, Array]:
-    """Return the layers' edges: normals (L, E, 2), offsets (L, E), heights (L, 2)."""
-    most = max(len(layer.polygon) for layer in vehicle.layers)
-    normals = np.zeros((len(vehicle.layers), most, 2))
-    offsets = np.zeros((len(vehicle.layers), most))
-    for row, layer in enumerate(vehicle.layers):
-        edges = edge_normals(layer.polygon)
-        filled = np.vstack([edges, np.repeat(edges[-1:], most - len(edges), axis=0)])
-        normals[row] = filled
-        offsets[row, : len(edges)] = np.einsum("ed,ed->e", edges, layer.polygon)
-        offsets[row, len(edges) :] = offsets[row, len(edges) - 1]
-    return normals, offsets, np.array([layer.z for layer in vehicle.layers])

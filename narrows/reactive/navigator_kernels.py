@@ -1,4 +1,4 @@
-"""The compiled loops of the guard: the way to a stop, what is in it, what may walk.
+"""The compiled loops of the guard: the way to a stop, and what is in it.
 
 Imported when first needed, compiled on the first call, kept on disk.
 """
@@ -8,7 +8,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..se2 import Array
 from .zone_kernels import compiled
@@ -76,35 +75,28 @@ def stopping_poses(
         Rows [t, x, y, heading], shape (P, 4), and how far a body point is from its place at the
         nearer of the rows beside it, at most, shape (P,).
     """
-    fade = np.inf
-    if abs(command[0]) > 0.0:
-        fade = rates[0] * period / abs(command[0])
-    if abs(command[1]) > 0.0:
-        fade = min(fade, rates[1] * period / abs(command[1]))
+    fade = _fade(command, rates, period)
     stages = 1 if fade == np.inf else 1 + math.ceil(1.0 / fade)
     under_way = pending[:, 0].sum()
-    total = under_way + stages * period + 4.0 * lag
-    count = math.ceil(total / step) + 1
+    count = math.ceil((under_way + stages * period + 4.0 * lag) / step) + 1
     rows = np.zeros((count + 1, 4))
     between = np.zeros(count + 1)
+    # The mean over a step of an exponential answer is for its way; its end, for the next step.
     decay = math.exp(-step / lag) if lag > 0.0 else 0.0
+    mean = (1.0 - decay) * lag / step
     v, omega = twist[0], twist[1]
     x = y = heading = 0.0
     kept, moved = 1, 0.0
     for k in range(1, count + 1):
-        middle = (k - 0.5) * step
-        goal_v, goal_omega = _goal(middle, pending, under_way, command, period, fade)
-        # The mean over the step of an exponential answer, for its way; its end, for the next.
-        mean = (1.0 - decay) * lag / step
-        mean_v = goal_v + (v - goal_v) * mean
-        mean_omega = goal_omega + (omega - goal_omega) * mean
+        goal_v, goal_omega = _goal((k - 0.5) * step, pending, under_way, command, period, fade)
+        way = (goal_v + (v - goal_v) * mean) * step
+        turn = (goal_omega + (omega - goal_omega) * mean) * step
         v = goal_v + (v - goal_v) * decay
         omega = goal_omega + (omega - goal_omega) * decay
-        turn = mean_omega * step
-        x += mean_v * step * math.cos(heading + 0.5 * turn)
-        y += mean_v * step * math.sin(heading + 0.5 * turn)
+        x += way * math.cos(heading + 0.5 * turn)
+        y += way * math.sin(heading + 0.5 * turn)
         heading += turn
-        moved += (abs(mean_v) + radius * abs(mean_omega)) * step
+        moved += abs(way) + radius * abs(turn)
         if moved > apart or k == count or k % 5 == 0:
             rows[kept] = (k * step, x, y, heading)
             between[kept] = 0.5 * moved
@@ -112,6 +104,17 @@ def stopping_poses(
             kept += 1
             moved = 0.0
     return rows[:kept], between[:kept]
+
+
+@compiled
+def _fade(command: Array, rates: tuple[float, float], period: float) -> float:
+    """Return the share of a command by which braking fades it each period; infinite: at once."""
+    fade = np.inf
+    if abs(command[0]) > 0.0:
+        fade = rates[0] * period / abs(command[0])
+    if abs(command[1]) > 0.0:
+        fade = min(fade, rates[1] * period / abs(command[1]))
+    return fade
 
 
 @compiled
@@ -159,18 +162,19 @@ def is_way_free(
             if first <= min(margins[n], 0.0):
                 return n
             for k in range(len(rows)):
-                cos, sin = math.cos(rows[k, 3]), math.sin(rows[k, 3])
-                off_x, off_y = x - rows[k, 1], y - rows[k, 2]
-                distance = _distance(
-                    cos * off_x + sin * off_y,
-                    cos * off_y - sin * off_x,
-                    normals[layer],
-                    offsets[layer],
-                )
                 needed = margins[n] + between[k] + walking[n] * (rows[k, 0] + blind)
+                distance = _distance_from(rows[k], x, y, normals[layer], offsets[layer])
                 if distance < needed and (walking[n] > 0.0 or distance < first - 1e-6):
                     return n
     return -1
+
+
+@compiled
+def _distance_from(row: Array, x: float, y: float, normals: Array, offsets: Array) -> float:
+    """Return `_distance` of a point from the polygon of a body at a row [t, x, y, heading]."""
+    cos, sin = math.cos(row[3]), math.sin(row[3])
+    x, y = x - row[1], y - row[2]
+    return _distance(cos * x + sin * y, cos * y - sin * x, normals, offsets)
 
 
 @compiled
@@ -202,56 +206,3 @@ def _distance(x: float, y: float, normals: Array, offsets: Array) -> float:
     for edge in range(len(offsets)):
         furthest = max(furthest, normals[edge, 0] * x + normals[edge, 1] * y - offsets[edge])
     return furthest
-
-
-@compiled
-def watch_cells(
-    places: Array,
-    now: float,
-    cell: float,
-    gone: float,
-    long: float,
-    index: NDArray[np.int64],
-    since: Array,
-    seen: Array,
-) -> Array:
-    """Update a ring of cells by what is seen now, and return since when each place is occupied.
-
-    Args:
-        places: Points over the floor in the world, shape (N, 2), [m].
-        now: Time [s].
-        cell: Edge of a cell [m].
-        gone: A place not seen occupied for longer is empty [s].
-        long: A place occupied for longer needs no look about it [s].
-        index: World index of each cell, shape (R, R, 2), R a power of 2.
-        since: Since when it is occupied [s], shape (R, R).
-        seen: When it was last seen occupied [s], shape (R, R).
-
-    Returns:
-        Shape (N,), [s]; of a place and the eight about it, the one occupied for longest: points on
-        the edge of a cell are seen in one and in the other.
-    """
-    mask = len(since) - 1
-    cells = np.empty((len(places), 2), dtype=np.int64)
-    for n in range(len(places)):
-        i, j = math.floor(places[n, 0] / cell), math.floor(places[n, 1] / cell)
-        cells[n, 0], cells[n, 1] = i, j
-        row, column = i & mask, j & mask
-        stranger = index[row, column, 0] != i or index[row, column, 1] != j
-        if stranger or seen[row, column] < now - gone:
-            index[row, column, 0], index[row, column, 1] = i, j
-            since[row, column] = now
-        seen[row, column] = now
-    found = np.empty(len(places))
-    for n in range(len(places)):
-        found[n] = since[cells[n, 0] & mask, cells[n, 1] & mask]
-        if now - found[n] >= long:
-            continue
-        for i in range(cells[n, 0] - 1, cells[n, 0] + 2):
-            row = i & mask
-            for j in range(cells[n, 1] - 1, cells[n, 1] + 2):
-                column = j & mask
-                older = since[row, column] < found[n] and seen[row, column] >= now - gone
-                if older and index[row, column, 0] == i and index[row, column, 1] == j:
-                    found[n] = since[row, column]
-    return found

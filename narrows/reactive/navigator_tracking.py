@@ -4,7 +4,8 @@ The zone is too wide for a door ten centimetres wider than the chair. On a plann
 needed: the plan was proven clear of all it knew, so only what is new can be in the way. So the
 command is the tracker's; the guard lets a share of it pass, on the same curve, from which the chair
 can stop before anything new. Solids the plan knew are guarded against only in so far as the chair
-must be badly off its path to come as near.
+must be badly off its path to come as near. Before something new on the path itself the chair
+already stands back: whoever is there can come out, and the chair's camera still sees the place.
 """
 
 from __future__ import annotations
@@ -17,9 +18,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import ShapeError
 from ..interfaces import Percept, Tracker
-from ..se2 import Array
+from ..path import Path
+from ..se2 import Array, compose, invert
 from ..vehicle import Vehicle
-from .navigator_guard import Guard, GuardOptions
+from .navigator_guard import Guard
+from .navigator_guard_options import GuardOptions
+from .navigator_sweep import Course
 
 
 class GuardedTracker:
@@ -38,6 +42,7 @@ class GuardedTracker:
         options: GuardOptions | None = None,
         *,
         known: Callable[[Array], NDArray[np.bool_]] | None = None,
+        path: Path | None = None,
         patience: float = 60.0,
     ) -> None:
         """Guard a tracker.
@@ -48,6 +53,8 @@ class GuardedTracker:
             options: Of the guard.
             known: Which points (N, 3) of the world frame the plan was proven clear of, such as
                 `KnownSolids`; None: none.
+            path: What the tracker follows: the chair stops on it, and stands back before what is
+                new on it. None: it stops on the arcs of the tracker's commands.
             patience: How long it waits before something in its way until it gives up [s].
         """
         if not 0.0 < patience < math.inf:
@@ -55,6 +62,7 @@ class GuardedTracker:
         self.guard = Guard(vehicle, options, known=known)
         self.reason, self.arrived = "on its way", False
         self._tracker, self._patience = tracker, patience
+        self._path = path
         self._moved_at = math.nan
         self._gave_up = False
 
@@ -82,7 +90,7 @@ class GuardedTracker:
             if not self._gave_up:
                 self.reason, self.arrived = "arrived", True
             return self.guard.stop(time)
-        command = self.guard.limit(time, pose, percept, wanted)
+        command = self.guard.limit(time, pose, percept, wanted, course=self._course())
         if self.guard.share > 0.0:
             self._moved_at = time
             self.reason = self.guard.reason or "on its way"
@@ -92,3 +100,15 @@ class GuardedTracker:
         else:
             self.reason = f"waits: {self.guard.reason}"
         return command
+
+    def _course(self) -> Course | None:
+        """Return the path from where the chair is, carried along with the error it has."""
+        if self._path is None:
+            return None
+        path, progress = self._path, self.progress
+        origin = invert(path(progress))
+
+        def course(distances: Array) -> Array:
+            return compose(origin, path(np.minimum(progress + distances, path.span)))
+
+        return course

@@ -11,11 +11,12 @@ import numpy as np
 from ..errors import StudyError
 from ..interfaces import Controller, Percept
 from ..reactive.navigator import Navigator, NavigatorOptions
-from ..reactive.navigator_guard import GuardOptions
+from ..reactive.navigator_guard_options import GuardOptions
 from ..reactive.switching import Active, Thresholds
 from ..scene import Scene
 from ..se2 import Array
 from ..simulation.judge import Judgement, judge
+from ..simulation.named_senses import Silenced
 from ..simulation.record import Record
 from ..simulation.senses import IdealSenses, Senses
 from ..simulation.simulator import SimulationOptions, simulate
@@ -59,41 +60,6 @@ class Drive:
     verdict: Judgement
     reason: str
     arrived: bool
-
-
-class Dropouts:
-    """Senses that go silent: the last percept stays, with its old time."""
-
-    def __init__(self, senses: Senses, silent: Array) -> None:
-        """Silence senses.
-
-        Args:
-            senses: The senses.
-            silent: From when until when, shape (N, 2), [s].
-        """
-        self._senses, self._silent = senses, np.asarray(silent, dtype=float).reshape(-1, 2)
-        self._last = Percept(-math.inf, np.zeros((0, 3)))
-        self._pose = np.zeros(3)
-
-    def perceive(self, time: float, true_pose: Array, believed_pose: Array) -> Percept:
-        """Return what was perceived last: now, unless the senses are silent."""
-        if not ((self._silent[:, 0] <= time) & (time < self._silent[:, 1])).any():
-            self._last = self._senses.perceive(time, true_pose, believed_pose)
-            self._pose = np.array(believed_pose)
-            return self._last
-        return self._remembered(believed_pose)
-
-    def _remembered(self, pose: Array) -> Percept:
-        """Return the last points where they are seen from a later pose, by odometry."""
-        turn = self._pose[2] - pose[2]
-        cos, sin = math.cos(turn), math.sin(turn)
-        own = np.array([[cos, -sin], [sin, cos]])
-        moved = self._pose[:2] - pose[:2]
-        c, s = math.cos(pose[2]), math.sin(pose[2])
-        shift = np.array([c * moved[0] + s * moved[1], -s * moved[0] + c * moved[1]])
-        points = self._last.points.copy()
-        points[:, :2] = points[:, :2] @ own.T + shift
-        return replace(self._last, points=points)
 
 
 def drive(
@@ -226,11 +192,11 @@ def dropout_case(case: Case, rng: np.random.Generator) -> Mapping[str, Scalar]:
     """Return a row: a random world in which the senses go silent now and then, and at last."""
     scene = cluttered(np.random.default_rng([int(str(case["base"])), int(str(case["world"]))]))
     begin = np.cumsum(rng.uniform(2.0, 10.0, 12))
-    silent = np.column_stack([begin, begin + np.minimum(rng.exponential(0.8, 12), 4.0)])
+    end = begin + np.minimum(rng.exponential(0.8, 12), 4.0)
     ends = float(rng.uniform(10.0, 30.0))
-    silent = np.vstack([silent, [ends, math.inf]])
+    silent = (*zip(begin.tolist(), end.tolist(), strict=True), (ends, math.inf))
     options = replace(DRIVE, time_limit=ends + 5.0)
-    driven = drive(scene, senses=Dropouts(IdealSenses(scene.world), silent), options=options)
+    driven = drive(scene, senses=Silenced(IdealSenses(scene.world), silent), options=options)
     found = row_of(driven)
     record = driven.record
     last = int(np.searchsorted(record.times, ends))

@@ -9,7 +9,7 @@ import pytest
 from narrows.errors import ShapeError
 from narrows.interfaces import Percept
 from narrows.reactive.navigator import Navigator, NavigatorOptions
-from narrows.reactive.navigator_guard import GuardOptions
+from narrows.reactive.navigator_guard_options import GuardOptions
 from narrows.reactive.switching import Active, Switch, Thresholds
 from narrows.scene import Goal, Scene
 from narrows.simulation.judge import judge

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 from narrows.errors import ShapeError
 from narrows.interfaces import Percept
-from narrows.reactive.navigator_guard import Guard, GuardOptions
+from narrows.reactive.navigator_guard import Guard
+from narrows.reactive.navigator_guard_options import GuardOptions
 from narrows.scene import Goal, Scene
 from narrows.simulation.judge import judge
 from narrows.simulation.plant import PlantOptions

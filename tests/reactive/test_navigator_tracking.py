@@ -9,7 +9,7 @@ from narrows.clearance import clearance_at
 from narrows.errors import ShapeError
 from narrows.interfaces import Percept
 from narrows.path import Path
-from narrows.reactive.navigator_guard import GuardOptions
+from narrows.reactive.navigator_guard_options import GuardOptions
 from narrows.reactive.navigator_known import KnownSolids
 from narrows.reactive.navigator_tracking import GuardedTracker
 from narrows.scene import Goal, Scene
