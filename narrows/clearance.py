@@ -75,7 +75,9 @@ class Certificate:
         where = f"at ({x:.2f}, {y:.2f})"
         solid = self.against or "a solid"
         if self.attained <= 0.0:
-            return f"the body cuts {-1e3 * self.attained:.0f} mm into {solid} {where}"
+            depth = -1e3 * self.attained
+            cut = f"{depth:.0f} mm" if depth >= 0.5 else "less than 1 mm"
+            return f"the body cuts {cut} into {solid} {where}"
         if self.inside < -_BOUNDS_SLACK:
             return f"the body leaves the world's bounds by {-1e3 * self.inside:.0f} mm"
         if self.clearance <= 0.0:

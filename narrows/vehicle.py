@@ -126,7 +126,13 @@ class Vehicle:
             wheel_radius: Radius of the drive wheels [m].
             limits: Limits of the drive; default `Limits()`.
             name: Name for people.
+
+        Raises:
+            ShapeError: If length or width are not positive numbers.
         """
+        for field_name, value in (("length", length), ("width", width)):
+            if not (0.0 < value < math.inf):
+                raise ShapeError(f"{field_name} must be a positive number [m], got {value}")
         rear, front, half = -rear_overhang, length - rear_overhang, width / 2.0
         corners = np.array([[rear, -half], [front, -half], [front, half], [rear, half]])
         return cls(

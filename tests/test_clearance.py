@@ -240,6 +240,8 @@ def test_a_body_deep_in_a_solid_is_as_deep_as_the_shortest_way_out() -> None:
     assert certificate.clearance == pytest.approx(-(1.5 + 0.75 - 1), abs=1e-3)
     assert not certificate.is_clear
     assert certificate.reason == "the body cuts 1250 mm into table at (1.50, 0.00)"
+    touching = certify(World((table,)), CHAIR, Path.from_poses([[0, 0, 0], [0.2501, 0, 0]]))
+    assert touching.reason == "the body cuts less than 1 mm into table at (0.25, 0.00)"
 
 
 def test_with_nothing_to_touch_the_clearance_is_infinite() -> None:

@@ -101,3 +101,12 @@ def test_a_chair_needs_a_body_and_wheels(change, message):
     chair = Vehicle.rectangle(1.0, 0.6, 0.2)
     with pytest.raises(ShapeError, match=message):
         dataclasses.replace(chair, **change)
+
+
+@pytest.mark.parametrize(
+    ("length", "width"), [(0.0, 0.6), (-1.0, 0.6), (1.0, 0.0), (1.0, math.inf)]
+)
+def test_a_rectangle_without_an_extent_is_refused_by_name(length, width):
+    name = "length" if length <= 0.0 else "width"
+    with pytest.raises(ShapeError, match=f"{name} must be a positive number"):
+        Vehicle.rectangle(length, width, 0.2)

@@ -41,6 +41,7 @@ _SMALLEST = 1e-5  # m, rad: trust radius at which a search for a better step end
 _DEARER = 10.0  # how much the price of clearance is raised where the margin is not kept
 _WITHIN_REACH = 0.01  # m: beyond contact by more than this, it is not raised
 _SHARPEST = 8.0  # 1/m: chairs that may turn on the spot bend no sharper while driving
+_FAR_SHORT = 0.1  # m: clearance missing beyond this does not make steps count less
 _UNSEEN = 1e-4  # m: clearance whose lack is not worth a higher price
 _KEPT, _POOR, _FAIR, _GOOD = 0.1, 0.25, 0.5, 0.7  # shares of the promised fall
 
@@ -215,9 +216,13 @@ class Refinement:
         return (second, again.longest) if second.cost < trial.cost else (trial, step.longest)
 
     def _enough(self, point: Point) -> float:
-        """Return the promise below which a step is not worth trying; more on the way there."""
+        """Return the promise below which a step is not worth trying; more on the way there.
+
+        A share of the cost, but however much of the margin is missing a step still counts.
+        """
         share = self.options.enough * (10.0 if point.thinner > 0.0 else 1.0)
-        return share * max(1.0, abs(point.cost))
+        beyond = self.weights.price * max(0.0, float(point.x[-2]) - _FAR_SHORT)
+        return share * max(1.0, abs(point.cost - beyond))
 
     def _grown_back(self, point: Point) -> float:
         """Return how much thinner the body must stay for the curve to be clear of it.

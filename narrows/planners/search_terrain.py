@@ -42,7 +42,8 @@ class Terrain:
         """Pack the scene."""
         self.scene = scene
         self.region = _region(scene)
-        self.solids: Solids = pack_solids(scene, self.region, span, care, _CANDIDATE_CELL)
+        cell = self._cell_from(_CANDIDATE_CELL)
+        self.solids: Solids = pack_solids(scene, self.region, span, care, cell)
 
     @cached_property
     def to_goal(self) -> Field:
@@ -56,8 +57,12 @@ class Terrain:
 
     @cached_property
     def _cell(self) -> float:
+        return self._cell_from(_FIELD_CELL)
+
+    def _cell_from(self, least: float) -> float:
+        """Return the side of a cell [m]: the least, but more where the cells would be too many."""
         area = float(np.prod(self.region[2:] - self.region[:2]))
-        return max(_FIELD_CELL, math.sqrt(area / _MOST_CELLS))
+        return max(least, math.sqrt(area / _MOST_CELLS))
 
     @cached_property
     def _blocked(self) -> NDArray[np.bool_]:

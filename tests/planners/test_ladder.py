@@ -4,6 +4,7 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from narrows.errors import InputError
@@ -72,6 +73,20 @@ def test_a_rung_asked_for_by_name_is_the_one_that_answers(name):
     assert found.planner == name
     if found.status is PlanStatus.CERTIFIED:
         assert found.certificate.is_clear
+
+
+def test_a_gap_that_keeps_the_margin_is_looked_for_where_the_first_one_does_not():
+    """Straight on are 20 mm on either side, and 50 are asked for; a wider gap is a bend away."""
+    rails = ((-2.0, -0.32, "right"), (0.32, 0.95, "middle"), (2.0, 3.0, "left"))
+    walls = tuple(
+        Solid.polygon([[1.5, low], [1.6, low], [1.6, high], [1.5, high]], name=name)
+        for low, high, name in rails
+    )
+    world = World(walls, (-1.6, -2, 5.4, 3))
+    found = plan(Scene(CHAIR, world, [-0.9, 0, 0], Goal([4.2, 0, 0]), margin=0.05))
+    assert found.status is PlanStatus.CERTIFIED
+    assert found.certificate.clearance >= 0.05 - 2e-4
+    assert found.path(np.linspace(0.0, found.path.span, 200))[:, 1].max() > 1.2
 
 
 def walled_in():

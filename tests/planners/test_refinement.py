@@ -343,7 +343,32 @@ def test_with_nothing_near_the_way_is_a_smooth_curve_of_the_shortest_kind() -> N
     assert refined.cost == pytest.approx(3.0 * Weights().length, rel=0.15)
 
 
-@pytest.mark.parametrize("margin", [0.08, 0.3])
+def test_where_contacts_turn_a_second_try_keeps_what_the_step_promised(monkeypatch) -> None:
+    """A step whose straight lines end in a rise is mended by seeing where its contacts went.
+
+    Without the shift that puts those back where the step began, a second try hardly ever helps:
+    of the rises of these descents 7 of 9 are mended with it, 4 of 18 without.
+    """
+    tried, mended = Refinement._tried, []
+
+    def watched(self, point, step, hessian, radius):
+        evaluations = self.model.evaluations
+        first = self._seen(point.x + step.move, point.thinner)
+        self.model.evaluations = evaluations
+        found, longest = tried(self, point, step, hessian, radius)
+        if first.cost > point.cost:
+            mended.append(point.cost - found.cost > 0.1 * step.promised)
+        return found, longest
+
+    monkeypatch.setattr(Refinement, "_tried", watched)
+    for width in (0.9, 0.76):
+        scene = doorway(width)
+        refined_from(scene, forward_guesses(scene)[0][1], 10)
+    assert sum(mended) >= 4
+    assert sum(mended) > 0.5 * len(mended)
+
+
+@pytest.mark.parametrize("margin", [0.08, 3.0])
 def test_a_margin_that_cannot_be_had_leaves_the_largest_clearance_there_is(margin: float) -> None:
     """Straight through a gap of 0.80 m, 65 mm on either side is all there can be."""
     gap = (

@@ -9,7 +9,7 @@ from narrows.clearance import certify, clearance_at
 from narrows.path import Path
 from narrows.scene import Goal, Scene
 from narrows.se2 import exponential
-from narrows.vehicle import Vehicle
+from narrows.vehicle import Limits, Vehicle
 from narrows.world import Solid, World
 
 FLOOR, CARE = 1e-3, 0.1
@@ -126,3 +126,15 @@ def test_connections_end_at_their_goal(v, radius):
             assert turns.max() <= LONGEST_TURN + 1e-9
             assert length == pytest.approx(parts[:, 2].sum())
     assert found > 60
+
+
+def test_a_scene_in_millimetres_taken_for_metres_does_not_fill_the_memory():
+    """A chair of a kilometre in a hall of ten: cells grow instead of their number."""
+    from narrows.planners.search_terrain import Terrain
+
+    wall = Solid.polygon([[2000, -3000], [2100, -3000], [2100, -400], [2000, -400]])
+    chair = Vehicle.rectangle(1000, 600, 200, limits=Limits(curvature=2.5))
+    goal = Goal(np.array([4000.0, 0, 0]))
+    ground = Terrain(Scene(chair, World((wall,)), np.zeros(3), goal), 0.2, 0.1)
+    assert ground.solids.first.nbytes + ground.solids.candidates.nbytes < 2e7
+    assert ground.to_goal is not None
