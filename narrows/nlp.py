@@ -16,7 +16,6 @@ from __future__ import annotations
 import os
 import time
 from dataclasses import dataclass, field
-from enum import Enum
 from functools import cached_property
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # read by MUMPS' BLAS when CasADi loads; 45 % slower
@@ -27,40 +26,7 @@ from numpy.typing import ArrayLike
 
 from .errors import ShapeError
 from .se2 import Array
-
-
-class SolveStatus(Enum):
-    """How a solve ended; the value is the message for people."""
-
-    SOLVED = "solved: converged, and the constraints hold when evaluated again"
-    ACCEPTABLE = "acceptable: the constraints hold, optimality only to the loose tolerance"
-    INFEASIBLE = "the solver stopped where the constraints cannot be satisfied from this start"
-    ITERATION_LIMIT = "the iteration limit was reached; start closer or allow more iterations"
-    TIME_LIMIT = "the time limit was reached; start closer or allow more time"
-    INVALID_NUMBER = "a function or derivative is not a finite number where the solver went"
-    DIVERGED = "the iterates ran away; the objective may be unbounded"
-    STALLED = "no further step could be made; the constraints may be degenerate here"
-    UNTRUE = "the solver claims success but the constraints do not hold when evaluated again"
-    FAILED = "the solver failed inside"
-
-
-# IPOPT's return_status in our words; whatever is not listed is FAILED.
-_STATUS = {
-    "Solve_Succeeded": SolveStatus.SOLVED,
-    "Feasible_Point_Found": SolveStatus.SOLVED,
-    "Solved_To_Acceptable_Level": SolveStatus.ACCEPTABLE,
-    "Infeasible_Problem_Detected": SolveStatus.INFEASIBLE,
-    "Not_Enough_Degrees_Of_Freedom": SolveStatus.INFEASIBLE,
-    "Maximum_Iterations_Exceeded": SolveStatus.ITERATION_LIMIT,
-    "Maximum_CpuTime_Exceeded": SolveStatus.TIME_LIMIT,
-    "Maximum_WallTime_Exceeded": SolveStatus.TIME_LIMIT,
-    "Invalid_Number_Detected": SolveStatus.INVALID_NUMBER,
-    "Diverging_Iterates": SolveStatus.DIVERGED,
-    "Search_Direction_Becomes_Too_Small": SolveStatus.STALLED,
-    "Restoration_Failed": SolveStatus.STALLED,
-    "Error_In_Step_Computation": SolveStatus.STALLED,
-}
-_CLAIMS_SUCCESS = (SolveStatus.SOLVED, SolveStatus.ACCEPTABLE)
+from .solution import Solution, SolveStatistics, SolveStatus
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,67 +135,6 @@ class SolverOptions:
                 "mu_init": self.warm_barrier,
             }
         return told | dict(self.further)
-
-
-@dataclass(frozen=True)
-class SolveStatistics:
-    """What a solve cost.
-
-    Attributes:
-        iterations: Iterations of the solver.
-        cpu_time: CPU time of the solve with its evaluation again [s].
-        evaluations: Evaluations of the objective.
-        plugin: The solver that gave the result.
-    """
-
-    iterations: int
-    cpu_time: float
-    evaluations: int
-    plugin: str
-
-
-@dataclass(frozen=True, eq=False)
-class Solution:
-    """Where a solve ended, measured again with the problem's own functions.
-
-    Attributes:
-        status: How it ended.
-        unknowns: The point, shape (n,); the last iterate where the status is not a success.
-        objective: f there.
-        constraints: g there, shape (m,).
-        constraint_violation: Largest amount by which a row of g leaves its bounds; NaN if g is.
-        bound_violation: The same for the unknowns.
-        stationarity: Largest component of grad f + J^T multipliers + bound multipliers.
-        multipliers: Of the constraints, shape (m,), positive at an upper bound.
-        bound_multipliers: Of the unknowns' bounds, shape (n,).
-        statistics: What it cost.
-        solver_status: The solver's own word, for reports.
-    """
-
-    status: SolveStatus
-    unknowns: Array
-    objective: float
-    constraints: Array
-    constraint_violation: float
-    bound_violation: float
-    stationarity: float
-    multipliers: Array
-    bound_multipliers: Array
-    statistics: SolveStatistics
-    solver_status: str
-
-    @property
-    def is_solved(self) -> bool:
-        """Whether the constraints hold and the solver converged (perhaps loosely)."""
-        return self.status in _CLAIMS_SUCCESS
-
-    @property
-    def message(self) -> str:
-        """The outcome in one sentence, with the residual that decides."""
-        return (
-            f"{self.status.value} ({self.solver_status}; {self.statistics.iterations} iterations, "
-            f"constraint violation {max(self.constraint_violation, self.bound_violation):.2g})"
-        )
 
 
 class Solver:
@@ -343,12 +248,12 @@ class Solver:
         off_bounds = _violation(x, given["lbx"], given["ubx"])
         objective = float(value)
         word = str(told["return_status"])
-        claimed = _STATUS.get(word, SolveStatus.FAILED)
+        claimed = SolveStatus.of_ipopt(word)
         if plugin == "fatrop" and told["success"]:
             claimed = SolveStatus.SOLVED
         tolerance = self.options.constraint_tolerance
         holds = off_constraints <= tolerance and off_bounds <= tolerance  # False for NaN
-        if claimed in _CLAIMS_SUCCESS and not (holds and np.isfinite(objective)):
+        if claimed.is_success and not (holds and np.isfinite(objective)):
             claimed = SolveStatus.UNTRUE
         for array in (x, g, lam_g, lam_x):
             array.setflags(write=False)

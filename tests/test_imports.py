@@ -25,6 +25,7 @@ LEVELS = [
         "moving_clearance",
         "clearance",
         "limit_check",
+        "solution",
         "nlp",
         "quadratic",
     },

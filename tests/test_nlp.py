@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 from narrows.errors import ShapeError
-from narrows.nlp import Problem, Solver, SolverOptions, SolveStatus
+from narrows.nlp import Problem, Solver, SolverOptions
+from narrows.solution import SolveStatus
 
 
 def rosenbrock() -> Problem:

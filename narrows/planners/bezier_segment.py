@@ -19,8 +19,9 @@ import casadi as ca
 import numpy as np
 
 from .. import bezier
-from ..nlp import Problem, Solution, Solver, SolverOptions
+from ..nlp import Problem, Solver, SolverOptions
 from ..se2 import Array, wrap
+from ..solution import Solution
 from .smoothness import Smoothness, bernstein, cost, cost_symbol, curvature_symbols
 
 SHORTEST_LEG = 0.02  # [m]; a leg of length zero has no tangent

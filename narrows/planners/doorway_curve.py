@@ -19,8 +19,9 @@ from functools import lru_cache
 import casadi as ca
 import numpy as np
 
-from ..nlp import Problem, Solution, Solver, SolverOptions
+from ..nlp import Problem, Solver, SolverOptions
 from ..se2 import Array
+from ..solution import Solution
 from .bezier_segment import direction
 from .body_contacts import SLOT_SIZE, SLOTS, Contacts
 from .smoothness import Smoothness, cost_symbol, curvature_symbols

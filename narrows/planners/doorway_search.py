@@ -17,9 +17,10 @@ from .. import bezier
 from ..bezier_section import BezierSection
 from ..clearance import Certificate, certify, clearance_at
 from ..errors import ShapeError
-from ..nlp import Solution, SolverOptions
+from ..nlp import SolverOptions
 from ..path import Path
 from ..se2 import Array
+from ..solution import Solution
 from ..vehicle import Vehicle
 from ..world import Solid, World
 from .body_contacts import Contacts, curve_poses, find_contacts

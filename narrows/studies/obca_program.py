@@ -22,10 +22,11 @@ import numpy as np
 
 from ..errors import ShapeError
 from ..geometry import edge_normals, separation
-from ..nlp import Problem, Solution, Solver, SolverOptions
+from ..nlp import Problem, Solver, SolverOptions
 from ..path import Path
 from ..scene import Scene
 from ..se2 import Array, rotate, transform, wrap
+from ..solution import Solution
 
 _NODES = 60  # arcs: about 75 mm each on a way through a door
 _RATE_LENGTH, _LENGTH_WEIGHT = 0.3, 0.05  # l [m], a [1/m^2]: those of our planner

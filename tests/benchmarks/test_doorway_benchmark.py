@@ -12,7 +12,7 @@ import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
 from narrows.clearance import certify
-from narrows.nlp import Problem, Solution, Solver, SolverOptions
+from narrows.nlp import Problem, Solver, SolverOptions
 from narrows.planners.bezier_segment import (
     Obstacle,
     SegmentOptions,
@@ -25,6 +25,7 @@ from narrows.planners.doorway import DoorwayOptions, DoorwayPlanner
 from narrows.planners.doorway_curve import doorway_solver
 from narrows.planners.smoothness import bernstein, curvature_symbols
 from narrows.scene import load_scene
+from narrows.solution import Solution
 
 START = np.array([0.1, 1.3, math.radians(-20)])  # A1 of [DoorBezier, Table I]
 DOOR = np.array([1.6, 1.8, math.pi / 2])
