@@ -21,6 +21,7 @@ from .page_session import Session
 from .page_state import SceneState
 from .page_work import WARM
 
+_VIEW = 1.0  # s a browser has to draw what it was sent, before planning warms up
 LOOPBACK = ("localhost", "127.0.0.1", "::1")
 
 _log = logging.getLogger(__name__)
@@ -91,13 +92,6 @@ class Page:
     def _dress(self) -> None:
         server, place = self._server, camera(self.state.scene)
         SceneDrawing(server.scene).stage()
-        server.gui.configure_theme(
-            control_layout="fixed",
-            control_width="medium",
-            show_logo=False,
-            show_share_button=False,
-            brand_color=(0, 114, 178),
-        )
         server.initial_camera.near = 0.1  # m: closer, and what lies on the floor flickers
         server.initial_camera.fov = place.fov
         server.initial_camera.position = place.position
@@ -107,9 +101,20 @@ class Page:
         if not self._is_own(client):
             _log.warning("a page of another site was refused")
             return
-        session = Session(client, self.state, self._runner, self.folder, self._commanded)
+        with client.atomic():  # sent in pieces, the browser would lay the page out for each
+            client.gui.configure_theme(
+                control_layout="fixed",
+                control_width="medium",
+                show_logo=False,
+                show_share_button=False,
+                brand_color=(0, 114, 178),
+            )
+            session = Session(client, self.state, self._runner, self.folder, self._commanded)
         with self._lock:
             self._sessions[client.client_id] = session
+        later = threading.Timer(_VIEW, self._runner.begin)  # a browser needs both cores to draw
+        later.daemon = True
+        later.start()
 
     def _closed(self, client: ClientHandle) -> None:
         with self._lock:

@@ -16,7 +16,7 @@ from narrows.scene import Scene
 from narrows.se2 import Array
 from narrows.vehicle import Vehicle
 
-from .page_jobs import Report
+from .page_report import Report
 from .page_senses import Watched, region_outline, zone_outline
 from .page_work import Drive, distances, plan_scene
 

@@ -93,7 +93,7 @@ class SceneDrawing:
             mesh.faces.astype(np.uint32),
             color=colour,
             flat_shading=True,
-            side="double",
+            side="front",  # of both sides, what is seen through would be drawn twice
             cast_shadow=False,  # shadows cost seconds where there is no graphics card
             receive_shadow=False,
             **looks,

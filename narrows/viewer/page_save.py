@@ -16,8 +16,9 @@ from narrows.interfaces import Plan
 from narrows.simulation.record import write_record
 
 from .page_files import page_file
-from .page_jobs import JobRunner, Report, Told
+from .page_jobs import JobRunner
 from .page_motion import Motion
+from .page_report import Report, Told
 from .page_state import SceneState
 from .page_words import answer, drive_words, plan_words
 from .page_work import Drive

@@ -22,11 +22,12 @@ from .page_drag import Dragging
 from .page_drawing import SceneDrawing, camera, nearest_place, spread, thinned
 from .page_drive import DrivePanel
 from .page_guard import Guard
-from .page_jobs import Job, JobRunner, Told, Work
+from .page_jobs import Job, JobRunner
 from .page_layers import Layers
 from .page_motion import Motion, driven_motion, planned_motion
 from .page_places import EndPanel, ThingsPanel, WallsPanel
 from .page_playback import Playback, state_colour
+from .page_report import Told, Work
 from .page_save import Saved, SavePanel
 from .page_state import SceneState
 from .page_words import Words, answer, drive_words, passage_words, plan_words

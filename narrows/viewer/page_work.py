@@ -12,7 +12,7 @@ from narrows.interfaces import Plan
 from narrows.scene import Scene, read_scene
 from narrows.se2 import Array
 
-from .page_jobs import Report, Work
+from .page_report import Report, Work
 
 if TYPE_CHECKING:
     from narrows.planners.passage import Verdict

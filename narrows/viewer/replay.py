@@ -14,8 +14,8 @@ from narrows.path import Path
 from narrows.scene import Scene
 
 from .page_drawing import SceneDrawing, camera, nearest_place, spread, thinned
-from .page_jobs import Report
 from .page_motion import Motion
+from .page_report import Report
 from .page_words import Words
 
 RATE = 20.0

@@ -22,6 +22,20 @@ observer.observe(document.body, {subtree: true, childList: true, characterData: 
 button.click();
 """
 
+SEEN = """
+const canvas = document.querySelector('canvas[data-engine]');
+if (!canvas || !document.querySelector('.narrows-verdict')) return false;
+const small = document.createElement('canvas');
+small.width = 64; small.height = 40;
+const context = small.getContext('2d');
+context.drawImage(canvas, 0, 0, 64, 40);
+const shown = context.getImageData(0, 0, 64, 40).data;
+let dark = 0;
+for (let i = 0; i < shown.length; i += 4)
+    if (shown[i + 3] > 200 && shown[i] + shown[i + 1] + shown[i + 2] < 500) dark += 1;
+return dark > 0.1 * 64 * 40;  // the walls
+"""
+
 
 def test_the_first_view_and_the_plan_come_soon(tab, serving, capsys):
     waits = []
@@ -29,7 +43,8 @@ def test_the_first_view_and_the_plan_come_soon(tab, serving, capsys):
         page = serving()
         listening = time.monotonic() - page.begun
         tab.driver.get(page.url)
-        tab.until(lambda: tab.verdict and tab.all("canvas"), "the page")
+        tab.until(lambda: tab.verdict, "the words")
+        tab.until(lambda: tab.driver.execute_script(SEEN), "the scene")
         waits.append(time.monotonic() - page.begun)
     clicks = []
     for _ in range(5):
