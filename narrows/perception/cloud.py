@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ..errors import InputError
 from .camera import Intrinsics
 from .clusters import find_clusters
+from .compiled import compiled
 from .depth_image import Points, points_from_depth
 from .plane import PlaneFit, find_plane
 from .point_rows import point_rows
@@ -95,8 +96,18 @@ def pass_through(points: Points, low: float, high: float, *, axis: int = 2) -> P
     rows = point_rows(points)
     if axis not in (0, 1, 2):
         raise InputError("no such axis", field="axis", value=axis, allowed="0, 1, 2")
-    values = rows[:, axis]
-    return rows[np.flatnonzero((values >= np.float32(low)) & (values <= np.float32(high)))]
+    return _rows_within(rows, axis, np.float32(low), np.float32(high))
+
+
+@compiled
+def _rows_within(rows: Points, axis: int, low: np.float32, high: np.float32) -> Points:
+    kept = np.empty_like(rows)
+    count = 0
+    for row in range(len(rows)):
+        for place in range(3):
+            kept[count, place] = rows[row, place]
+        count += int(low <= rows[row, axis] <= high)
+    return kept[:count]
 
 
 def run_chain(

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..errors import InputError
 from .cluster_kernels import component_of_each
 from .depth_image import Points
-from .point_rows import point_rows
+from .point_rows import rows_and_reach
 
 
 def find_clusters(
@@ -33,12 +33,12 @@ def find_clusters(
         ShapeError: If the points are not (N, 3) or not finite.
         InputError: If the tolerance is not positive, or the cloud a million of it wide.
     """
-    rows = point_rows(points)
+    rows, reach = rows_and_reach(points)
     if not 0.0 < tolerance < np.inf:
         raise InputError("not a distance", field="tolerance", value=tolerance, allowed="> 0 m")
     if not len(rows):
         return ()
-    if max(rows.max(), -rows.min()) / tolerance > 5e5:
+    if reach / tolerance > 5e5:
         raise InputError("too wide a cloud for it", field="tolerance", value=tolerance)
     component = component_of_each(rows, tolerance)
     sizes = np.bincount(component)
