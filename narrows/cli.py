@@ -1,21 +1,14 @@
-"""The command line: parse, call, print, exit code. What the verbs do is in `narrows.commands`."""
+"""The command line: parse and call. What the verbs do is in `narrows.commands`."""
 
 from __future__ import annotations
 
-import json
-import os
 import sys
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
-from typing import Any
+from collections.abc import Sequence
 
 import click
 
-from . import __version__
-from .commands.outcome import OK, WRONG_INPUT, Outcome
-from .errors import InputError, NarrowsError
-
-_INTERRUPTED, _BROKEN_PIPE = 130, 141  # as the shell reports SIGINT and SIGPIPE
+from . import __version__, terminal
+from .commands.outcome import Outcome
 
 _SCENE = click.argument("scene", type=click.Path())
 _JSON = click.option("--json", "as_json", is_flag=True, help="Print one JSON object, nothing else.")
@@ -27,7 +20,7 @@ _PLANNER = click.option(
     default="auto",
     show_default=True,
     metavar="NAME",
-    help="auto tries one after the other; or one by name: doorway, ...",
+    help="auto tries one after the other; or one by name: arc, doorway, manoeuvre, search.",
 )
 
 
@@ -37,6 +30,7 @@ def _examples(*commands: str, head: str = "Examples:") -> str:
 
 
 @click.group(
+    invoke_without_command=True,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
     epilog=_examples(
         "narrows plan examples/scenes/door.yaml --picture door.png",
@@ -45,12 +39,15 @@ def _examples(*commands: str, head: str = "Examples:") -> str:
     ),
 )
 @click.version_option(__version__, prog_name="narrows")
-def narrows() -> None:
+@click.pass_context
+def narrows(context: click.Context) -> None:
     """Plan how a wheelchair gets through narrow places, and prove how clear it is.
 
     Exit codes: 0 certified, passable, reached; 2 wrong input; 3 proven
-    impossible; 4 neither found nor proven, refused, not reached.
+    impossible; 4 neither found nor proven, refused, not reached; 130 Ctrl-C.
     """
+    if context.invoked_subcommand is None:
+        click.echo(context.get_help())
 
 
 @narrows.command(
@@ -155,7 +152,7 @@ def verify_command(scene: str, trajectory: str, picture: str | None, as_json: bo
     default="lookahead",
     show_default=True,
     metavar="NAME",
-    help="Who steers: lookahead, linearizing, virtual-target, predictive.",
+    help="Who steers: lookahead, lookahead-paper, linearizing, virtual-target, predictive.",
 )
 @click.option(
     "--controller",
@@ -212,7 +209,7 @@ def drive_command(
     from .commands.drive import DriveFiles, run_drive
 
     files = DriveFiles(save_trajectory, record, picture)
-    with _progress("driving") as report:
+    with terminal.progress("driving") as report:
         return run_drive(
             scene,
             tracker=tracker,
@@ -283,35 +280,6 @@ def view_command(scene: str | None, host: str, port: int, no_open: bool) -> Outc
     return run_view(scene, host=host, port=port, open_browser=not no_open, say=click.echo)
 
 
-@contextmanager
-def _progress(what: str) -> Iterator[Callable[[float], None]]:
-    """Show a bar on standard error after two seconds, where a person looks."""
-    bars: list[Any] = []
-
-    def report(share: float) -> None:
-        if not bars:
-            from tqdm import tqdm
-
-            bars.append(
-                tqdm(
-                    total=1.0,
-                    desc=what,
-                    file=sys.stderr,
-                    delay=2.0,
-                    leave=False,
-                    disable=not sys.stderr.isatty(),
-                    bar_format="{desc} {percentage:3.0f} % |{bar}| {remaining} left",
-                )
-            )
-        bars[0].update(share - bars[0].n)
-
-    try:
-        yield report
-    finally:
-        for bar in bars:
-            bar.close()
-
-
 def main() -> None:
     """Run the command line of this process."""
     sys.exit(run(sys.argv[1:]))
@@ -323,56 +291,7 @@ def run(arguments: Sequence[str]) -> int:
     Args:
         arguments: What follows `narrows` on the command line.
     """
-    as_json = "--json" in arguments
-    try:
-        try:
-            outcome = narrows.main(list(arguments), prog_name="narrows", standalone_mode=False)
-            code = _print(outcome, as_json) if isinstance(outcome, Outcome) else int(outcome or OK)
-        except click.exceptions.Abort:
-            return _INTERRUPTED
-        except click.ClickException as error:
-            code = _print_usage_error(error, as_json)
-        except (NarrowsError, OSError) as error:
-            if isinstance(error, BrokenPipeError):
-                raise
-            code = _print_error(error, as_json)
-        sys.stdout.flush()
-    except KeyboardInterrupt:
-        return _INTERRUPTED
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # nothing left to flush
-        return _BROKEN_PIPE
-    return code
-
-
-def _print(outcome: Outcome, as_json: bool) -> int:
-    for note in outcome.notes:
-        click.echo(f"narrows: {note}", err=True)
-    if as_json or outcome.text:
-        click.echo(outcome.as_json() if as_json else outcome.text)
-    return outcome.code
-
-
-def _print_usage_error(error: click.ClickException, as_json: bool) -> int:
-    """Print what is wrong with the command line, and where its help is."""
-    message = error.format_message()
-    context = getattr(error, "ctx", None)
-    command = context.command_path if context is not None else "narrows"
-    click.echo(f"narrows: {message}\nTry '{command} --help'.", err=True)
-    if as_json:
-        click.echo(json.dumps({"status": "error", "reason": message}))
-    return WRONG_INPUT
-
-
-def _print_error(error: Exception, as_json: bool) -> int:
-    """Print what is wrong with the input, in one message."""
-    click.echo(f"narrows: {error}", err=True)
-    if as_json:
-        fields: dict[str, Any] = {"status": "error", "reason": str(error)}
-        if isinstance(error, InputError):
-            fields |= {"file": error.file, "line": error.line, "field": error.field}
-        click.echo(json.dumps(fields))
-    return WRONG_INPUT
+    return terminal.run(narrows, arguments)
 
 
 if __name__ == "__main__":

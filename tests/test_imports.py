@@ -46,7 +46,7 @@ LEVELS = [
     {"simulation", "formats"},
     {"viewer"},
     {"studies"},
-    {"commands", "cli"},
+    {"commands", "terminal", "cli"},
 ]
 """Rooms and files of `narrows` from the ground up; a level knows itself and those below."""
 
@@ -55,8 +55,8 @@ METHOD_ROOMS = LEVELS[3]
 OWNERS = {
     "matplotlib": {"viewer"},
     "casadi": {"nlp", "quadratic", "planners", "tracking", "studies"},
-    "click": {"cli"},
-    "tqdm": {"cli", "studies"},
+    "click": {"cli", "terminal"},
+    "tqdm": {"terminal", "studies"},
     "numba": {"planners", "perception", "reactive", "simulation"},
     "pydantic": {"scene_model", "scene_problems"},
     "ruamel": {"scene_text", "scene_write", "maps"},
