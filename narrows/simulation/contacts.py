@@ -81,6 +81,7 @@ def contacts(world: World, vehicle: Vehicle, times: Array, poses: Array) -> tupl
         walked = _touches_moving_only(world, vehicle, times, poses)
         return (Contact(start, start, certificate.reason, walked),)
     overlaps = clearance_at(world, vehicle, poses)[0] <= 0.0
+    overlaps |= _meets_moving(world, vehicle, times, poses)
     touching = overlaps[:-1] | overlaps[1:]
     for first, last in _runs(~touching):
         touching[first:last] = _unclear(world, vehicle, times, poses, first, last)
@@ -101,6 +102,18 @@ def _stands(vehicle: Vehicle, times: Array, poses: Array) -> NDArray[np.bool_]:
     step = np.abs(np.diff(poses, axis=0))
     travel = np.hypot(step[:, 0], step[:, 1]) + vehicle.radius * step[:, 2]
     return np.asarray(travel <= STANDS * np.diff(times))
+
+
+def _meets_moving(world: World, vehicle: Vehicle, times: Array, poses: Array) -> NDArray[np.bool_]:
+    """Return at which rows the body overlaps a moving solid, so that nobody need look closer."""
+    found = np.zeros(len(times), dtype=bool)
+    for solid in world.moving:
+        center = np.repeat(solid.position(times)[:, None], 2, axis=1)  # (N, 2, 2)
+        for layer in vehicle.layers:
+            if solid.z[0] < layer.z[1] and layer.z[0] < solid.z[1]:
+                gap = separation(transform(poses, layer.polygon), center).distance
+                found |= gap - solid.radius <= 0.0
+    return found
 
 
 def _touches_moving_only(world: World, vehicle: Vehicle, times: Array, poses: Array) -> bool:

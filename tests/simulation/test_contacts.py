@@ -140,3 +140,29 @@ def test_somebody_at_a_chair_that_never_moved_walked_into_it():
     still = MovingSolid(0.25, np.array([[0.0, 1.0, 0.0]]))
     one = contacts(World(moving=(still,)), CHAIR, times[:1], poses[:1])
     assert [contact.while_standing for contact in one] == [True]
+
+
+@pytest.mark.parametrize("speed", [0.0, 0.05])
+def test_somebody_who_stays_at_the_chair_costs_no_look_at_every_row(speed, monkeypatch):
+    """Rows at which the body overlaps need no proof; without that, halving says the same."""
+    walk = [[0.0, 0.8, 3.0], [2.0, 0.8, 0.45], [4.0, 0.9, 0.45], [6.0, 0.8, 3.0]]
+    world = World(moving=(MovingSolid(0.25, np.array(walk), name="she"),))
+    times = np.arange(0.0, 6.0, 0.02)
+    poses = np.zeros((len(times), 3))
+    poses[:, 0] = speed * np.minimum(times, 4.0)
+    asked = []
+
+    def counted(*arguments):
+        asked.append(arguments)
+        return certify_drive(*arguments)
+
+    monkeypatch.setattr("narrows.simulation.contacts.certify_drive", counted)
+    found = contacts(world, CHAIR, times, poses)
+    assert len(found) == 1
+    assert found[0].start == pytest.approx(2.0 - 0.10 / 1.275, abs=0.021)  # 0.55 m from the axis
+    assert len(asked) < 60  # a dozen for each end of the spell; with one for each row it would be 200
+    monkeypatch.setattr(
+        "narrows.simulation.contacts._meets_moving", lambda *_: np.zeros(len(times), dtype=bool)
+    )
+    assert contacts(world, CHAIR, times, poses) == found
+    assert len(asked) > 200
