@@ -8,6 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..errors import ShapeError
 from ..interfaces import Percept
 from ..se2 import Array
 from ..vehicle import Vehicle
@@ -54,15 +55,19 @@ class Assistant:
             regions: Its safety regions.
             options: Default `AssistantOptions()`.
             door_blend: Helps through doors that `step` is told of; None: nothing does.
+
+        Raises:
+            ShapeError: If the regions are another chair's, or allow for less than the options need.
         """
-        self._options = AssistantOptions() if options is None else options
-        options = self._options
+        self._options = options = AssistantOptions() if options is None else options
+        _check_fit(vehicle, regions, options)
         self._vehicle = vehicle
         self._regions = regions
         self._limits = MotionLimits.of(vehicle, yaw_jerk=options.yaw_jerk)
         self._smooth = SmoothMotion(self._limits, period=options.period)
         self._braking = ComfortBraking.of(regions.options, self._limits, options.comfort)
-        self._look = Look(vehicle, regions, unknown_speed=options.unknown_speed)
+        into_unknown = self._braking.full(2.0 * options.unknown_speed)
+        self._look = Look(vehicle, regions, unknown_norm=into_unknown)
         self._view = View(options.fresh, options.stale)
         self._prediction = Prediction(options.latency, options.motor_lag)
         self._orientation = Orientation(options, self._limits)
@@ -276,6 +281,24 @@ class Assistant:
         """Return whether a full braking can follow a command."""
         phi, norm = self._regions.polar(v.value, omega.value)
         return norm < 1e-9 or norm <= self._look.limit(phi)
+
+
+def _check_fit(vehicle: Vehicle, regions: SafetyRegions, options: AssistantOptions) -> None:
+    """Check that regions are this chair's, and allow for the delay there is.
+
+    Between a step and the next, which may brake, a period passes; then the motors lag.
+    """
+    difference = regions.difference(vehicle)
+    if difference:
+        raise ShapeError(
+            f"these safety regions belong to another chair than {vehicle.name}: {difference}"
+        )
+    delay = options.period + options.motor_lag
+    if regions.options.latency < delay - 1e-9:
+        raise ShapeError(
+            f"the safety regions allow for a latency of {regions.options.latency:.3g} s, period "
+            f"and motor lag are {delay:.3g} s: compute them with RegionOptions(latency=...)"
+        )
 
 
 def _pair(values: ArrayLike, otherwise: float) -> tuple[float, float]:

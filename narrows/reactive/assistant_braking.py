@@ -60,3 +60,14 @@ class ComfortBraking:
         lost = self.gentle_deceleration * (self.gentle_latency + rising / self.jerk)
         gentle = math.sqrt(lost * lost + 2.0 * self.gentle_deceleration * way) - lost
         return 2.0 * max(0.0, gentle - 0.5 * rising * rising / self.jerk)
+
+    def full(self, norm: float) -> float:
+        """Return the speed norm of a full braking whose comfortable one this is [m/s].
+
+        Args:
+            norm: Comfortable speed norm [m/s].
+        """
+        rim = 0.5 * norm
+        way = rim * self.gentle_latency + rim * rim / (2.0 * self.gentle_deceleration)
+        lost = self.deceleration * self.latency
+        return 2.0 * (math.sqrt(lost * lost + 2.0 * self.deceleration * way) - lost)

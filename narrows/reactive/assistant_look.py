@@ -26,16 +26,16 @@ class Look:
     """Looks obstacles up in a chair's safety regions; made once, shown the points at each step."""
 
     def __init__(
-        self, vehicle: Vehicle, regions: SafetyRegions, *, unknown_speed: float = 0.0
+        self, vehicle: Vehicle, regions: SafetyRegions, *, unknown_norm: float = 0.0
     ) -> None:
         """Prepare the brakings looked at exactly.
 
         Args:
             vehicle: The chair.
             regions: Its regions.
-            unknown_speed: Rim speed allowed into unknown places [m/s].
+            unknown_norm: Speed norm allowed into unknown places [m/s].
         """
-        self._unknown_norm = 2.0 * unknown_speed
+        self._unknown_norm = unknown_norm
         self._regions = regions
         self._height = vehicle.height
         self._edges = edge_rows(regions.outline)

@@ -15,6 +15,8 @@ from ..geometry import offset_polygon
 from ..se2 import Array
 from ..vehicle import Vehicle
 
+_SAME = 1e-6  # m, m/s: figures of one chair that differ less are the same
+
 STRAIGHT = math.pi / 4.0
 """Direction phi of driving straight ahead [rad]: both wheels alike."""
 
@@ -162,6 +164,20 @@ class SafetyRegions:
 
         return read_regions(file, vehicle)
 
+    def difference(self, vehicle: Vehicle) -> str:
+        """Return in words how a chair differs from the one these are for; empty: not at all."""
+        outline = vehicle.outline
+        same = outline.shape == self.outline.shape
+        if not (same and np.abs(outline - self.outline).max() <= _SAME):
+            return f"their body is {_size(self.outline)}, the chair's {_size(outline)}"
+        if not abs(vehicle.track - self.track) <= _SAME:
+            return f"their track is {self.track:.4g} m, the chair's {vehicle.track:.4g} m"
+        top = top_norm(vehicle)
+        if not self.norms[-1] >= top - _SAME:
+            ends, asked = 0.5 * self.norms[-1], 0.5 * top
+            return f"they end at a rim speed of {ends:.4g} m/s, the chair may reach {asked:.4g} m/s"
+        return ""
+
     @property
     def keep(self) -> float:
         """Distance the regions keep the body from a point [m]."""
@@ -214,3 +230,11 @@ def top_norm(vehicle: Vehicle) -> float:
 def protected(outline: Array, options: RegionOptions) -> Array:
     """Return the outline grown by all that is to be kept around it, shape (K, 2), [m]."""
     return offset_polygon(outline, options.margin + options.spread)
+
+
+def _size(outline: Array) -> str:
+    low, high = outline.min(axis=0), outline.max(axis=0)
+    return (
+        f"{high[0] - low[0]:.4g} x {high[1] - low[1]:.4g} m from x = {low[0]:.4g} m "
+        f"with {len(outline)} corners"
+    )

@@ -36,7 +36,7 @@ from .simulator import SimulationOptions
 PERIOD = 0.05
 """Control period of the assistant [s]."""
 
-_REACH = 2.5  # m, of the map about the chair
+_REACH = 3.75  # m, of the map about the chair, as in [DrivingAssistant, Section III-A]
 _CELL = 0.02  # m
 _BAND = (0.025, 0.3)  # m: the scanners' height lies in the one band there is
 _LEG = 0.4  # m between the corners of a driver's way

@@ -53,8 +53,8 @@ class Seat:
 class UnknownIsFree:
     """Senses that take for free what nothing is known of, as [DrivingAssistant]'s map does.
 
-    The paper's two scanners never see the places beside the chair before it has driven past
-    them; an assistant that would not drive into unknown places could not begin to.
+    Two scanners see little of what is beside the chair before it has driven past; an assistant
+    that drives into no unknown place is safer there, and a little slower.
     """
 
     def __init__(self, senses: Senses) -> None:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -67,23 +69,29 @@ class DoorSense:
 
 
 class CertifiedDoorPaths:
-    """Plans forward through a sensed door; a path only if its clearance is proven.
+    """Plans forward through a sensed door, far from its posts if that can be; certified or not.
 
     Attributes:
         asked: How often a path was asked for.
         found: How often there was one.
     """
 
-    def __init__(self, vehicle: Vehicle, *, beyond: float = 0.6, margin: float = 0.04) -> None:
+    def __init__(
+        self,
+        vehicle: Vehicle,
+        *,
+        beyond: float = 0.6,
+        margins: Sequence[float] = (0.08, 0.06, 0.04),
+    ) -> None:
         """Plan for a chair.
 
         Args:
             vehicle: The chair; the paths only drive forward.
             beyond: How far behind the door a path ends [m].
-            margin: Clearance aimed at [m].
+            margins: Clearances aimed at, one after the other until there is a path [m].
         """
         self._vehicle = vehicle.with_limits(reverse_speed=0.0)
-        self._beyond, self._margin = beyond, margin
+        self._beyond, self._margins = beyond, tuple(margins)
         self.asked, self.found = 0, 0
 
     def __call__(self, door: DoorAhead) -> Array | None:
@@ -92,15 +100,15 @@ class CertifiedDoorPaths:
         half = 0.5 * door.width
         walls = [_wall(door, half, half + _WALL), _wall(door, -half - _WALL, -half)]
         goal = Goal(compose(door.pose, [_THICKNESS + self._beyond, 0.0, 0.0]))
-        scene = Scene(self._vehicle, World(tuple(walls)), np.zeros(3), goal, margin=self._margin)
-        answer = plan(scene, planner="manoeuvre")
-        if answer.status is not PlanStatus.CERTIFIED or answer.path is None:
-            return None
-        if answer.path.direction_changes:
-            return None
-        self.found += 1
-        span = answer.path.span
-        return answer.path(np.linspace(0.0, span, max(2, math.ceil(span / 0.05) + 1)))
+        scene = Scene(self._vehicle, World(tuple(walls)), np.zeros(3), goal)
+        for margin in self._margins:
+            answer = plan(replace(scene, margin=margin), planner="manoeuvre")
+            path = answer.path if answer.status is PlanStatus.CERTIFIED else None
+            if path is not None and not path.direction_changes:
+                self.found += 1
+                count = max(2, math.ceil(path.span / 0.05) + 1)
+                return path(np.linspace(0.0, path.span, count))
+        return None
 
 
 def _wall(door: DoorAhead, low: float, high: float) -> Solid:

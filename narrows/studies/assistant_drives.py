@@ -51,7 +51,7 @@ PLANT = PlantOptions(slip=0.01, left_radius_error=0.002)
 
 _HOSTILE_TIME = 40.0  # s: as long a hostile driver is let loose
 _STEP = 0.025  # s: of the physics
-_SIDE = 5.0  # m: of the map; thrice the way to stop at 0.8 m/s on either side
+_SIDE = 7.5  # m: of the map, as in [DrivingAssistant, Section III-A]
 _CELL = 0.02  # m
 _BANDS = (0.025, 0.3)  # m: the scanners' height lies in the one band there is
 
@@ -64,6 +64,7 @@ class Conditions:
         device: One of `DEVICES`.
         assisted: Whether the assistant assists.
         through_doors: Whether it also helps along certified paths through doors it senses.
+        unknown_is_free: Whether it takes for free what nothing is known of, as the paper's does.
         options: Of the assistant.
         faults: Of both scanners.
         plant: The chair.
@@ -73,6 +74,7 @@ class Conditions:
     device: str = "joystick"
     assisted: bool = True
     through_doors: bool = False
+    unknown_is_free: bool = True
     options: AssistantOptions = field(default_factory=lambda: AssistantOptions(period=PERIOD))
     faults: Faults = field(default_factory=Faults)
     plant: PlantOptions = PLANT
@@ -179,7 +181,7 @@ def drive_with(
     mover: Assistant | SmoothMotion = SmoothMotion(limits, period=PERIOD)
     if conditions.assisted:
         senses = scanners(scene, conditions.faults, of_sensors)
-        seat = Seat(UnknownIsFree(senses))
+        seat = Seat(UnknownIsFree(senses) if conditions.unknown_is_free else senses)
         blend = None
         if conditions.through_doors:
             doors = DoorSense(senses)

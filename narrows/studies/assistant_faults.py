@@ -22,6 +22,9 @@ _DEAD = 25.0  # s: when the scanners die
 
 TROUBLES: dict[str, Conditions] = {
     "nothing": Conditions(time_limit=_LIMIT),
+    "nothing; what is unknown counts as an obstacle": Conditions(
+        unknown_is_free=False, time_limit=_LIMIT
+    ),
     "scans 0.2 s late, jitter 0.1 s": Conditions(
         faults=Faults(late=((0.0, math.inf, 0.2),), jitter=0.1), time_limit=_LIMIT
     ),

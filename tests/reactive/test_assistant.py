@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from narrows.errors import ShapeError
 from narrows.interfaces import Percept
+from narrows.reactive.assistant import Assistant
 from narrows.reactive.assistant_options import AssistantOptions, AssistantState
 from narrows.reactive.assistant_prediction import Prediction
 from narrows.reactive.assistant_view import View
@@ -18,6 +19,7 @@ from narrows.reactive.safety_regions import RegionOptions, SafetyRegions
 from narrows.reactive.smooth_motion import MotionLimits, Smooth, SmoothMotion
 from narrows.se2 import compose, invert, transform
 from narrows.simulation.plant import Plant, PlantOptions
+from narrows.vehicle import Vehicle
 
 LIMITS = MotionLimits()  # those of the chair
 PERIOD = 0.02
@@ -364,10 +366,12 @@ def test_it_stops_before_places_it_knows_nothing_of(simulated):
         )
 
     assert drive().gap > 0.02
-    feeling = drive(unknown_speed=0.1)
-    assert feeling.gap < 0.0
-    inside = [k for k, pose in enumerate(feeling.poses) if 1.15 < pose[0] < 1.3]
-    assert feeling.arrays()[1][inside, 0].max() <= 0.13
+    for speed in (0.1, 0.3):
+        feeling = drive(unknown_speed=speed)
+        assert feeling.gap < 0.0
+        taken = feeling.arrays()[1][:, 0]
+        inside = [taken[k] for k, pose in enumerate(feeling.poses) if 1.2 < pose[0] < 1.5]
+        assert np.array(inside) == pytest.approx(speed, abs=1e-6)
 
 
 def test_what_reaches_far_beyond_its_points_is_kept_further_off(simulated):
@@ -488,4 +492,12 @@ def test_options_of_no_sense_are_refused(simulated, xeno):
     )
     regions = SafetyRegions.compute(xeno, weak)
     with pytest.raises(ShapeError, match="harder than the full braking"):
-        type(simulated.assistant())(xeno, regions)
+        Assistant(xeno, regions)
+
+
+def test_regions_of_another_chair_or_of_too_little_delay_are_refused(xeno, xeno_regions):
+    wider = Vehicle.rectangle(1.1, 0.70, 0.25, track=xeno.track)
+    with pytest.raises(ShapeError, match=r"another chair.*0.66 m.*0.7 m"):
+        Assistant(wider, xeno_regions)
+    with pytest.raises(ShapeError, match=r"latency of 0.1 s.*0.15 s"):
+        Assistant(xeno, xeno_regions, AssistantOptions(period=0.1))

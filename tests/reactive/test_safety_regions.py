@@ -1,6 +1,7 @@
 """Safety regions hold every braking body, are hardly larger than that, and survive files."""
 
 import io
+import json
 import math
 
 import numpy as np
@@ -18,6 +19,7 @@ from narrows.reactive.safety_regions import (
     protected,
     top_norm,
 )
+from narrows.reactive.safety_regions_file import sealed
 from narrows.reactive.safety_regions_kernels import (
     NEVER,
     braking_poses,
@@ -284,13 +286,43 @@ def test_damaged_and_foreign_files_are_refused_by_name(xeno, xeno_regions, tmp_p
         SafetyRegions.load(tmp_path, xeno)
 
 
-def test_a_table_changed_on_purpose_is_noticed(xeno, xeno_regions, tmp_path):
-    file = tmp_path / "regions.npz"
-    xeno_regions.save(file)
+def resealed(regions, file, **changes):
+    """Write a file whose digest is right and whose content is not what regions have."""
+    regions.save(file)
     with np.load(file) as archive:
         tables = dict(archive)
-    tables["levels"] = tables["levels"].copy()
-    tables["levels"][0, 5, 5] ^= 1
-    np.savez(file, **tables)
-    with pytest.raises(InputError, match="checksum"):
+    about = json.loads(str(tables["about"])) | changes.pop("about", {})
+    stream = io.BytesIO()
+    np.savez(stream, **(tables | {"about": np.array(json.dumps(about))} | changes))
+    file.write_bytes(sealed(stream.getvalue()))
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"about": {"format": "narrows safety regions 1"}}, "not the format.*anew.*regions 1"),
+        ({"about": {"options": {"cell": 0.1}}}, "options are not those of this version"),
+        ({"about": {"track": "wide"}}, "do not fit each other.*wide"),
+        ({"levels": np.zeros((3, 4), dtype=np.uint8)}, "do not fit each other.*rows, columns"),
+        ({"outline": np.full((4, 2), math.nan)}, "another chair.*nan"),
+    ],
+)
+def test_files_of_other_versions_and_of_no_sense_are_refused(
+    xeno, xeno_regions, tmp_path, changes, message
+):
+    file = tmp_path / "regions.npz"
+    resealed(xeno_regions, file, **changes)
+    with pytest.raises(InputError, match=message):
+        SafetyRegions.load(file, xeno)
+
+
+def test_what_the_regions_allow_for_cannot_be_changed_unnoticed(xeno, xeno_regions, tmp_path):
+    file = tmp_path / "regions.npz"
+    resealed(xeno_regions, file)
+    SafetyRegions.load(file, xeno)
+    content = file.read_bytes()
+    texts = [text.encode("utf-32-le") for text in ('"latency": 0.1', '"latency": 0.0')]
+    file.write_bytes(content.replace(*texts))
+    assert file.read_bytes() != content
+    with pytest.raises(InputError, match="damaged"):
         SafetyRegions.load(file, xeno)
