@@ -82,11 +82,17 @@ def sort_pixels(
             if kind != _FLOOR:
                 place = (kind - 1) * columns * rows + cell
                 if counts[kind, cell] == 1:
-                    boxes[place, _BELOW:_ABOVE] = math.inf
-                    boxes[place, _ABOVE:_NEAREST] = -math.inf
-                    boxes[place, _NEAREST:] = math.inf
+                    _empty(boxes, place)
                 _widen(boxes, place, area[0] + x * area[2], area[1] + y * area[2], above)
     return counts.reshape(3, columns, rows), boxes.reshape(2, columns, rows, 10)
+
+
+@compiled
+def _empty(boxes: Array, place: int) -> None:
+    """Make a cell's box one without a point."""
+    boxes[place, _BELOW:_ABOVE] = math.inf
+    boxes[place, _ABOVE:_NEAREST] = -math.inf
+    boxes[place, _NEAREST:] = math.inf
 
 
 @compiled

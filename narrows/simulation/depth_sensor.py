@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import InputError
 from ..perception.camera import DepthCamera, Intrinsics, Mounting
 from ..se2 import Array
-from .depth_kernels import draw_world, sensor_image
+from .depth_kernels import draw_world
+from .depth_manner_kernels import sensor_image
 from .surfaces import SensedWorld, checked_pose
 
 
