@@ -81,9 +81,9 @@ class DepthSensor:
         reaches to the horizon.
 
         Args:
-            world: What there is.
-            pose: True pose of the chair, shape (3,), [m, m, rad].
-            time: When [s]: moving solids are where they are then.
+            world: As in `Sensor.measure`, like pose and time.
+            pose: Of the chair.
+            time: When.
             reach: Solids further than this, seen from above, are left out [m].
 
         Raises:
@@ -128,17 +128,8 @@ class DepthSensor:
     ) -> NDArray[np.uint16]:
         """Return the depth image the camera delivers, shape (height, width), [mm]; 0: no return.
 
-        Quantised in inverse depth; without returns too near and too far, at edges, in the
-        projector's shadow and at grazing incidence. A camera inside a solid returns nothing.
-
-        Args:
-            world: What there is.
-            pose: True pose of the chair, shape (3,), [m, m, rad].
-            time: When [s].
-            rng: Source of noise and dropouts; None: neither.
-
-        Raises:
-            ShapeError: If the pose or the time is not finite.
+        `Sensor.measure`. Quantised in inverse depth; without returns too near and too far, at
+        edges, in the projector's shadow and at grazing incidence; none at all inside a solid.
         """
         camera, manners = self.camera, self.manners
         lens = camera.intrinsics

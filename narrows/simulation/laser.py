@@ -113,9 +113,9 @@ class LaserScanner:
         Infinite where there is nothing within reach; 0 everywhere inside a solid.
 
         Args:
-            world: What there is; seen are the solids at the scanner's height.
-            pose: True pose of the chair, shape (3,), [m, m, rad].
-            time: When [s]: moving solids are where they are then, the whole scan at once.
+            world: As in `Sensor.measure`, like pose and time; seen is what the beams' height meets.
+            pose: Of the chair.
+            time: When.
 
         Raises:
             ShapeError: If the pose or the time is not finite.
@@ -137,17 +137,7 @@ class LaserScanner:
         *,
         rng: np.random.Generator | None = None,
     ) -> LaserScan:
-        """Return a scan as the scanner delivers it.
-
-        Args:
-            world: What there is.
-            pose: True pose of the chair, shape (3,), [m, m, rad].
-            time: When [s].
-            rng: Source of noise and dropouts; None: neither.
-
-        Raises:
-            ShapeError: If the pose or the time is not finite.
-        """
+        """Return a scan as the scanner delivers it: `Sensor.measure`, all beams at once."""
         manners = self.manners
         ranges = self.exact_ranges(world, pose, time)
         near = ranges < manners.nearest

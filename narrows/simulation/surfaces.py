@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass
+from typing import Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -84,6 +85,34 @@ class SensedWorld:
         for row, solid in enumerate(self._moving, start=self._standing):
             rounds[row, :2] = solid.position(time)
         return Surfaces(self._corners, self._counts, self._heights, rounds)
+
+
+Answer = TypeVar("Answer", covariant=True)
+
+
+class Sensor(Protocol[Answer]):
+    """Anything on a chair that measures the world around it."""
+
+    def measure(
+        self,
+        world: SensedWorld,
+        pose: ArrayLike,
+        time: float = 0.0,
+        *,
+        rng: np.random.Generator | None = None,
+    ) -> Answer:
+        """Return what it delivers.
+
+        Args:
+            world: What there is.
+            pose: True pose of the chair, shape (3,), [m, m, rad].
+            time: When [s]: moving solids are where they are then, for all of the measurement.
+            rng: Source of noise and dropouts; None: neither.
+
+        Raises:
+            ShapeError: If the pose or the time is not finite.
+        """
+        ...
 
 
 def checked_pose(pose: ArrayLike) -> Array:
