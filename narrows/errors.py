@@ -104,4 +104,5 @@ class MissingExtra(NarrowsError):
 
     def __init__(self, package: str, extra: str) -> None:
         """Say which extra brings the package."""
-        super().__init__(f"{package} is not installed; pip install 'narrows[{extra}]' brings it")
+        command = f"pip install -e '.[{extra}]'"
+        super().__init__(f"{package} is not installed; in narrows' folder, {command} brings it")

@@ -289,6 +289,8 @@ WRONG = {
     "record": ("drive", DOOR, "--record", "drive.xml"),
     "jobs": ("study", "door-bezier", "--jobs", "0"),
     "seed": ("study", "door-bezier", "--seed", "-1"),
+    "no maps": ("study", "real-maps", "--data", "file", "--out", "maps"),
+    "out is a file": ("study", "real-maps", "--out", "file"),
 }
 
 

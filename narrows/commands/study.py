@@ -23,6 +23,8 @@ def run_study(
     if name is None:
         rows = [(study, summary) for study, summary in summaries().items()]
         return Outcome(OK, {}, lines("studies:", *rows))
+    if jobs < 1:
+        raise StudyError("no process to run on", field="--jobs", value=jobs, allowed=">= 1")
     if seed < 0:
         raise StudyError("the seed is negative", field="--seed", value=seed, allowed=">= 0")
     folder = Path(out) if out is not None else Path("out") / name

@@ -103,7 +103,7 @@ def number(value: Any, column: str, file: str, line: int | None, field: str | No
     """
     field = field or column
     largest = _LARGEST[column]
-    allowed = f"a number between {-largest:.0e} and {largest:.0e}"
+    allowed = f"a number between {-largest:g} and {largest:g}, with a decimal point"
     text = value.strip() if isinstance(value, str) else value
     if isinstance(text, bool) or not isinstance(text, (str, int, float)) or "_" in str(text):
         problem = "this is not a number"
@@ -184,15 +184,20 @@ def read_text(file: FilePath | str) -> str:
     except FileNotFoundError as error:
         raise TrajectoryError("there is no such file", file=str(file)) from error
     except (OSError, ValueError) as error:
-        raise TrajectoryError(f"the file cannot be read: {error}", file=str(file)) from error
+        why = getattr(error, "strerror", None) or str(error)
+        raise TrajectoryError(f"the file cannot be read: {why}", file=str(file)) from error
     if not content.strip():
-        raise TrajectoryError("the file is empty", file=str(file))
+        raise TrajectoryError("the file is empty", file=str(file), allowed="a header and rows")
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = content[: error.start].count(b"\n") + 1
-        raise TrajectoryError("this is not text", file=str(file), line=line) from error
+        raise _no_text(file, line) from error
     if "\0" in text:
         line = text[: text.index("\0")].count("\n") + 1
-        raise TrajectoryError("this is not text", file=str(file), line=line)
+        raise _no_text(file, line)
     return text
+
+
+def _no_text(file: FilePath | str, line: int) -> TrajectoryError:
+    return TrajectoryError("this is not text", file=str(file), line=line, allowed="text in UTF-8")

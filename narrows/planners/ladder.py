@@ -94,7 +94,10 @@ def plan(scene: Scene, *, planner: str = "auto", time_budget: float = TIME_BUDGE
         near = difflib.get_close_matches(planner, names, n=1)
         hint = f"; did you mean {near[0]!r}?" if near else ""
         raise InputError(
-            f"no planner of that name{hint}", field="planner", value=planner, allowed=str(names)
+            f"no planner of that name{hint}",
+            field="planner",
+            value=planner,
+            allowed=", ".join(names),
         )
     return RUNGS[planner]().plan(scene)
 

@@ -126,7 +126,11 @@ def read_drives(file: Path, every: int = 1) -> list[dict[str, Any]]:
     try:
         text = file.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
-        raise StudyError(f"the drives cannot be read: {error}", file=str(file)) from error
+        why = getattr(error, "strerror", None) or str(error)
+        allowed = "the folder given holds cases.csv and the maps"
+        raise StudyError(
+            f"the drives cannot be read: {why}", file=str(file), allowed=allowed
+        ) from error
     table = csv.DictReader(io.StringIO(text))
     missing = {*_TEXTS, *_POSES, *_SIZES} - {*(table.fieldnames or ())}
     if missing:

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import ast
+import contextlib
 import difflib
 import importlib
 import inspect
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..errors import StudyError
+from ..errors import InputError, StudyError
 from ..files import write_whole
 
 _GIVEN = ("out", "jobs", "resume", "seed")
@@ -86,13 +87,30 @@ def run(
         raise StudyError("no process to run on", field="jobs", value=jobs, allowed=">= 1")
     study = importlib.import_module(f"{__package__}.{name.replace('-', '_')}")
     _check_options(name, inspect.signature(study.run).parameters, options)
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise StudyError(f"the folder cannot be used: {error}", file=str(out)) from error
-    report = Report(name, out, study.run(out, jobs=jobs, resume=resume, seed=seed, **options))
+    with _folder(out):
+        report = Report(name, out, study.run(out, jobs=jobs, resume=resume, seed=seed, **options))
     write_whole(report.file, report.text)
     return report
+
+
+@contextlib.contextmanager
+def _folder(out: Path) -> Iterator[None]:
+    """Make a folder for what is done meanwhile; leave none behind if that refuses to begin."""
+    made = not out.exists()
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except FileExistsError as error:
+        raise StudyError("the folder cannot be used: this is a file", file=str(out)) from error
+    except OSError as error:
+        why = error.strerror or str(error)
+        raise StudyError(f"the folder cannot be made: {why}", file=str(out)) from error
+    try:
+        yield
+    except InputError:
+        if made:
+            with contextlib.suppress(OSError):  # there is something in it
+                out.rmdir()
+        raise
 
 
 def _check_options(

@@ -49,7 +49,7 @@ def test_without_viser_one_line_says_how_to_install_it(monkeypatch, capsys):
     assert run(["view", "--no-open"]) == 2
     told = capsys.readouterr()
     assert told.out == ""
-    assert told.err == ("narrows: viser is not installed; pip install 'narrows[view]' brings it\n")
+    assert told.err.startswith("narrows: viser is not installed; in narrows' folder, pip")
 
 
 @pytest.mark.slow
