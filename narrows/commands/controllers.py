@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path as FilePath
@@ -72,7 +73,7 @@ def _navigator(scene: Scene, motion: Path | Trajectory, wishes: Wishes) -> Fitte
     from ..reactive.navigator_guard_options import GuardOptions
     from ..reactive.navigator_known import KnownSolids
     from ..reactive.navigator_tracking import GuardedTracker
-    from ..simulation.named_senses import make_senses
+    from ..simulation.named_senses import REACH, make_senses
     from ..tracking.registry import make_tracker
 
     # By progress, not by the trajectory's clock: the chair may have to wait for somebody.
@@ -85,6 +86,7 @@ def _navigator(scene: Scene, motion: Path | Trajectory, wishes: Wishes) -> Fitte
         latency=options.plant.latency,
         lag=options.plant.motor_lag,
         period=options.period,
+        reach=REACH,
     )
     controller = GuardedTracker(
         make_tracker(wishes.tracker, path, scene.vehicle),
@@ -108,10 +110,25 @@ def _assistant(scene: Scene, motion: Path | Trajectory, wishes: Wishes) -> Fitte
     chair = assisted_chair(scene, driver, stick, scanners(scene), regions=regions)
 
     def outcome() -> str:
-        there = "where they wanted to be" if driver.finished else "still on their way"
-        return f"the {wishes.driver} driver is {there}"
+        return _of_driver(wishes.driver, driver.finished, scene)
 
     return Fitted(chair.controller, chair.senses, chair.options, outcome, follows=False)
+
+
+def _of_driver(name: str, finished: bool, scene: Scene) -> str:
+    """Return how a drive ended for its driver, who does not aim at millimetres."""
+    from ..simulation.drivers import ARRIVED
+
+    if finished:
+        asked = f"{1e3 * scene.goal.position_tolerance:.0f} mm"
+        if math.isfinite(scene.goal.heading_tolerance):
+            asked += f" and {math.degrees(scene.goal.heading_tolerance):.3g} degrees"
+        return (
+            f"the {name} driver let go within {1e3 * ARRIVED:.0f} mm of the end of their way, as "
+            f"people do; the goal asks for {asked}"
+        )
+    stuck = "" if scene.vehicle.limits.reverse_speed > 0.0 else "; this chair cannot back off"
+    return f"the {name} driver did not get there in the time{stuck}"
 
 
 def _regions(scene: Scene, wishes: Wishes) -> SafetyRegions:

@@ -28,7 +28,9 @@ _THINKS = 0.1  # s: a hand is told where to go ten times a second
 _MEMORIES = {"heading": 1.0, "judgement": 3.0}  # s
 _PIVOT, _PIVOTED = math.radians(65.0), math.radians(25.0)  # from, until: they turn on the spot
 _CHAIR = 0.1  # s: how late they know the chair to be
-_ARRIVED = 0.35  # m from the end of their way: they are there
+ARRIVED = 0.35
+"""Distance from the end of their way at which drivers are there and let go [m]."""
+
 _STEP, _STEPS = 0.06, 24  # m, -: how finely and far they imagine a curve
 _SWERVES = np.array([0.0, 0.15, -0.15, 0.35, -0.35, 0.6, -0.6, 1.0, -1.0, 1.6, -1.6])  # 1/m
 _WANTED = 0.5  # m of free way wanted ahead at least; with less they look for another curve
@@ -173,8 +175,8 @@ class ScriptedDriver:
         if mind.progress > mind.furthest + 0.4:
             mind.furthest, mind.tries = mind.progress, 0
         end_x, end_y = route.at(route.length)
-        near = math.hypot(pose[0] - end_x, pose[1] - end_y) < _ARRIVED
-        if near and mind.progress > route.length - 2.0 * _ARRIVED:
+        near = math.hypot(pose[0] - end_x, pose[1] - end_y) < ARRIVED
+        if near and mind.progress > route.length - 2.0 * ARRIVED:
             mind.leg, mind.progress, mind.furthest, mind.tries = mind.leg + 1, 0.0, 0.0, 0
 
     def _notice_standing(self, time: float, motion: Array) -> None:
