@@ -17,6 +17,7 @@ from narrows.vehicle import Vehicle
 
 from . import palette
 
+_PIVOT = 20.0  # 1/m: a tighter bend, of what was driven, is a turn on the spot
 _SHOWN = 0.3  # m: more clearance is not drawn unless there is nowhere less
 
 
@@ -50,11 +51,12 @@ def draw_curvature(axes: Axes, motion: Path | Trajectory, vehicle: Vehicle, colo
     abscissa, progress, name = _samples(motion)
     path = motion.path if isinstance(motion, Trajectory) else motion
     curvature = path.curvature(progress)
+    curvature[np.abs(curvature) > _PIVOT] = np.nan  # as good as on the spot: a gap
     axes.plot(abscissa, curvature, color=colour, linewidth=1.8)
-    greatest = float(np.abs(curvature).max(initial=0.0))
+    greatest = float(np.nanmax(np.abs(curvature), initial=0.0))
     limit = vehicle.limits.curvature
     if math.isfinite(limit) and limit <= 3.0 * max(greatest, 0.5):
-        _draw_limit(axes, limit, both=bool(curvature.min() < -0.3 * limit))
+        _draw_limit(axes, limit, both=bool(np.nanmin(curvature, initial=0.0) < -0.3 * limit))
         axes.legend(loc="best", fontsize=9, framealpha=0.85)
     if greatest < 0.2:
         axes.set_ylim(-0.5, 0.5)
@@ -63,7 +65,10 @@ def draw_curvature(axes: Axes, motion: Path | Trajectory, vehicle: Vehicle, colo
 
 def draw_speeds(axes: Axes, trajectory: Trajectory, vehicle: Vehicle, colour: str) -> None:
     """Draw the speeds of the body origin and of the wheels' rims over time."""
-    times, commands = trajectory.times, trajectory.commands
+    times = trajectory.times
+    # Speeds of driven rows jump from row to row: between them they are what they are.
+    times = 0.5 * (times[1:] + times[:-1]) if trajectory.sampled else times
+    commands = trajectory.command(times)
     wheels = vehicle.wheel_speeds(commands)
     axes.plot(times, commands[:, 0], color=colour, linewidth=2.2, label="drive axle")
     axes.plot(times, wheels[:, 0], color=palette.ORANGE, linewidth=1.3, ls="--", label="left wheel")
