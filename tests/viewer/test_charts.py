@@ -16,7 +16,7 @@ PERIOD = 0.05
 @pytest.fixture(scope="module")
 def driven():
     """A chair that slows down until it turns on the spot, and drives on."""
-    speeds = [*np.geomspace(0.4, 1e-7, 40), *np.zeros(10), *np.geomspace(1e-7, 0.4, 40)]
+    speeds = [*np.geomspace(0.4, 1e-4, 40), *np.zeros(10), *np.geomspace(1e-4, 0.4, 40)]
     poses = [np.zeros(3)]
     for v in speeds:
         poses.append(compose(poses[-1], exponential(np.array([v, 0.0, 0.5]) * PERIOD)))
