@@ -121,7 +121,8 @@ def _commanded(report: Report, scene: Scene, who: str, make: Callable[..., Any])
         return Drive(plan)
     fitted = make(who, scene, plan.trajectory, tracker=tracker_names()[0])
     watched = Watched(fitted.senses)
-    before = Drive(plan, reference=plan.trajectory)
+    shown = None if scene.world.moving else plan  # certified without those who move, not with them
+    before = Drive(shown, reference=plan.trajectory)
     drive = _judged(report, scene, fitted.controller, watched, fitted.options, before)
     return replace(drive, who=who)
 

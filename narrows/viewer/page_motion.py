@@ -33,12 +33,14 @@ class Curve:
         names: Name of each line.
         values: Shape (N, L) for L lines; NaN where there is nothing to tell.
         most: What is above this is not shown.
+        places: Decimals of the figures beside it.
     """
 
     title: str
     names: tuple[str, ...]
     values: Array
     most: float = math.inf
+    places: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +110,7 @@ def driven_motion(drive: Drive) -> Motion | None:
         curves.append(Curve("tracking error [mm]", ("off the plan",), error[:, None]))
     if "intrusion" in record.signals:
         intrusion = record.signals["intrusion"][rows]
-        curves.append(Curve("intrusion", ("of the zone",), intrusion[:, None]))
+        curves.append(Curve("intrusion", ("of the zone",), intrusion[:, None], places=2))
     fault = "driven with contact" if judgement.collisions else ""
     times, poses = record.times[rows], record.poses[rows]
     states = _states(record, rows)
@@ -129,7 +131,7 @@ def _states(record: Record, rows: NDArray[np.int64]) -> tuple[str, ...]:
 
 
 def _wheels(speeds: Array) -> Curve:
-    return Curve("wheel speeds [m/s]", ("left", "right"), np.asarray(speeds))
+    return Curve("wheel speeds [m/s]", ("left", "right"), np.asarray(speeds), places=2)
 
 
 def _clearance(distance: Array) -> Curve:

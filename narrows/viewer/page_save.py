@@ -42,12 +42,14 @@ class Saved:
         plan: Its plan, or None.
         drive: Its drive, or None.
         motion: What is played, or None.
+        layers: Names of the layers that are switched on.
     """
 
     state: SceneState
     plan: Plan | None
     drive: Drive | None
     motion: Motion | None
+    layers: tuple[str, ...] = ()
 
 
 class SavePanel:
@@ -147,12 +149,14 @@ def show_of(given: Saved) -> Show:
         TrajectoryError: If nothing is.
     """
     motion, plan, drive = given.motion, given.plan, given.drive
-    if motion is None or plan is None:
-        raise TrajectoryError("there is nothing to replay: press Plan or Drive first")
-    words = plan_words(plan)
-    if motion.name == "drive" and drive is not None and drive.judgement is not None:
+    if motion is not None and drive is not None and drive.judgement is not None:
         words = drive_words(drive.judgement)
-    return Show(given.state.scene, motion, words, plan.path, plan.certificate)
+    elif motion is not None and plan is not None:
+        words = plan_words(plan)
+    else:
+        raise TrajectoryError("there is nothing to replay: press Plan or Drive first")
+    path, certificate = (None, None) if plan is None else (plan.path, plan.certificate)
+    return Show(given.state.scene, motion, words, path, certificate, given.layers)
 
 
 def save_replay(report: Report, show: Show, file: Path) -> None:
@@ -168,9 +172,9 @@ def save_picture_beside(report: Report, given: Saved, file: Path) -> None:
     from .charts import TrackingErrors
     from .pictures import drive_picture, plan_picture, save_picture
 
-    scene, plan, drive = given.state.scene, _planned(given), given.drive
+    scene, drive = given.state.scene, given.drive
     if drive is None or drive.record is None or drive.judgement is None:
-        save_picture(plan_picture(scene, plan), file)
+        save_picture(plan_picture(scene, _planned(given)), file)
         return
     record = drive.record
     errors = None
@@ -180,7 +184,7 @@ def save_picture_beside(report: Report, given: Saved, file: Path) -> None:
         scene,
         Trajectory.from_samples(record.times, record.poses),
         certify_drive(scene.world, scene.vehicle, record.times, record.poses),
-        planned=plan.path,
+        planned=None if given.plan is None else given.plan.path,
         errors=errors,
         text=drive.judgement.reason,
     )

@@ -16,6 +16,7 @@ from narrows.se2 import Array
 from narrows.tracking.registry import tracker_names
 
 from . import page_work
+from .control_colours import state_colour
 from .page_chair import ChairPanel
 from .page_controllers import CommandControllers, Protected, drive_controller
 from .page_drag import Dragging
@@ -26,7 +27,8 @@ from .page_jobs import Job, JobRunner
 from .page_layers import Layers
 from .page_motion import Motion, driven_motion, planned_motion
 from .page_places import EndPanel, ThingsPanel, WallsPanel
-from .page_playback import Playback, state_colour
+from .page_playback import Playback
+from .page_plots import Plots
 from .page_report import Told, Work
 from .page_save import Saved, SavePanel
 from .page_state import SceneState
@@ -87,8 +89,9 @@ class Session:
                 self._locked(self.ask_drive),
                 self._tell_driver,
             )
-            self.playback = Playback(gui, self._show_motion)
+            self.playback = Playback(gui, self._show_motion, lambda at: self.plots.show(at))
             self.layers = Layers(gui, self.client.scene)
+            self.plots = Plots(gui)
         with tabs.add_tab("Chair"):
             self._chair_answer = gui.add_html("")
             self.chair = ChairPanel(gui, self._guard, self._edit_chair)
@@ -111,7 +114,7 @@ class Session:
 
     def saved(self) -> Saved:
         """Return what there is to save."""
-        return Saved(self.state, self.plan, self.drive, self.playback.motion)
+        return Saved(self.state, self.plan, self.drive, self.playback.motion, self.layers.names)
 
     def close(self) -> None:
         """End what is under way: the tab is gone."""
@@ -251,7 +254,9 @@ class Session:
         self._play(planned_motion(scene, plan.trajectory))
 
     def _play(self, motion: Motion | None) -> None:
+        self.playback.load(None)  # nothing follows the time while the others change
         self.layers.load(motion)
+        self.plots.load(motion)
         self.playback.load(motion)
 
     def _marker(self, number: int) -> Callable[[Told], None]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +14,8 @@ from narrows.clearance import Certificate
 from narrows.path import Path
 from narrows.scene import Scene
 
+from .control_colours import state_chip, state_colour
+from .layer_drawing import LayerDrawing, has_layer
 from .page_drawing import SceneDrawing, camera, nearest_place, spread, thinned
 from .page_motion import Motion
 from .page_report import Report
@@ -21,10 +24,11 @@ from .page_words import Words
 RATE = 20.0
 """Frames a second."""
 
-_BANNER = """<div id="narrows-banner" style="position:fixed;right:12px;top:12px;
-width:min(320px,45vw);z-index:100;font-family:Inter,system-ui,sans-serif;pointer-events:none;background:#fff;
+_BANNER = """<details open id="narrows-banner" style="position:fixed;right:12px;top:12px;
+width:min(320px,45vw);z-index:100;font-family:Inter,system-ui,sans-serif;background:#fff;
 border-radius:4px;padding:8px 4px 2px;box-shadow:0 1px 4px #0004">
-<div style="font-size:13px;font-weight:600;padding:0 12px 6px">{title}</div>{words}</div>"""
+<summary style="font-size:13px;font-weight:600;padding:0 12px 6px;cursor:pointer">{title}</summary>
+{words}<div style="font-size:12px;line-height:1.6;padding:0 12px 4px">{legend}</div></details>"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,6 +41,7 @@ class Show:
         words: What is said of it.
         path: The certified path, drawn on the floor, or None.
         certificate: Its certificate, or None.
+        layers: Names of the layers that show what the chair knew.
     """
 
     scene: Scene
@@ -44,18 +49,36 @@ class Show:
     words: Words
     path: Path | None
     certificate: Certificate | None
+    layers: tuple[str, ...] = ()
 
 
 def replay_html(report: Report, show: Show) -> str:
     """Return the HTML of a replay; starts a server of its own on loopback to record it."""
     rich.reconfigure(quiet=True)
     server = ViserServer(host="127.0.0.1", port=0, verbose=False)
-    scene, motion = show.scene, show.motion
-    place = camera(scene)
+    place = camera(show.scene)
     server.initial_camera.position = place.position
     server.initial_camera.look_at = place.look_at
     server.initial_camera.fov = place.fov
     drawing = SceneDrawing(server.scene)
+    _draw_still(drawing, show)
+    recording = server.get_scene_serializer()
+    for share in _frames(drawing, LayerDrawing(server.scene), show):
+        recording.insert_sleep(1.0 / RATE)
+        report(share)
+    page = recording.as_html()
+    server.stop()
+    title = html.escape(
+        f"{show.scene.name or 'scene'}: {show.motion.name}, {show.motion.duration:.1f} s"
+    )
+    banner = _BANNER.format(title=title, words=show.words.html(), legend=_legend(show))
+    end = page.rindex("</body>")
+    return f"{page[:end]}{banner}{page[end:]}"
+
+
+def _draw_still(drawing: SceneDrawing, show: Show) -> None:
+    """Draw what stands still in a replay, and the chair where it begins."""
+    scene, motion = show.scene, show.motion
     drawing.stage()
     drawing.world(scene)
     drawing.things(scene)
@@ -69,15 +92,29 @@ def replay_html(report: Report, show: Show) -> str:
         drawing.motion("drive", scene.vehicle, thinned(motion.poses), fault=motion.fault)
     drawing.chair(scene.vehicle)
     drawing.place(motion.poses[0])
-    recording = server.get_scene_serializer()
-    for time in np.linspace(0.0, motion.duration, max(2, round(RATE * motion.duration))):
-        drawing.place(motion.pose(float(time)))
-        drawing.at_time(scene, float(time))
-        recording.insert_sleep(1.0 / RATE)
-        report(float(time) / max(motion.duration, 1e-9))
-    page = recording.as_html()
-    server.stop()
-    title = html.escape(f"{scene.name or 'scene'}: {motion.name}, {motion.duration:.1f} s")
-    banner = _BANNER.format(title=title, words=show.words.html())
-    end = page.rindex("</body>")
-    return f"{page[:end]}{banner}{page[end:]}"
+
+
+def _frames(drawing: SceneDrawing, layers: LayerDrawing, show: Show) -> Iterator[float]:
+    """Draw what moves, frame by frame, and yield the share of the time after each."""
+    motion, known = show.motion, None
+    for time in np.linspace(0.0, motion.duration, max(2, round(RATE * motion.duration))).tolist():
+        drawing.place(motion.pose(time))
+        drawing.at_time(show.scene, time)
+        drawing.tint(state_colour(motion.state(time)))
+        if motion.moment(time) is not known:
+            known = motion.moment(time)
+            layers.show(known, show.layers)
+        yield time / max(motion.duration, 1e-9)
+
+
+def _legend(show: Show) -> str:
+    """Return what colours and layers mean, as HTML; empty if there are none."""
+    rows = []
+    if show.motion.states:
+        states = " ".join(map(state_chip, dict.fromkeys(show.motion.states)))
+        rows.append(f"in control: {states}")
+    moments = show.motion.moments
+    known = [name for name in show.layers if any(has_layer(m, name) for m in moments)]
+    if known:
+        rows.append(f"shown: {', '.join(known)}")
+    return "<br>".join(rows)

@@ -15,7 +15,7 @@ from narrows.viewer.page_drawing import (
     thinned,
 )
 from narrows.viewer.page_motion import Curve, Motion
-from narrows.viewer.page_playback import curve_data, limits
+from narrows.viewer.page_plots import curve_data, limits
 from narrows.viewer.page_senses import region_outline, zone_outline
 
 CHAIR = Vehicle.rectangle(1.0, 0.7, 0.25)
