@@ -20,8 +20,8 @@ from narrows.viewer.page_controllers import (
     drive_controller,
     driver_names,
 )
-from narrows.viewer.page_jobs import Report
 from narrows.viewer.page_motion import driven_motion
+from narrows.viewer.page_report import Report
 from narrows.viewer.page_words import drive_words
 from narrows.world import Solid, World
 
