@@ -8,7 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..se2 import Array
-from .safety_regions_kernels import NEVER, Levels, braking_poses, compiled
+from .braking_kernels import braking_poses
+from .cell_kernels import Levels
+from .compiled import compiled
+from .safety_regions_kernels import NEVER
 
 _POSES = 6  # along a braking manoeuvre looked at exactly; the first is the start
 FRAMES = 2 * (_POSES - 1)  # of them kept for each error
@@ -24,6 +27,13 @@ def _is_there(
         and cells[last] == number
         and abs(where[last, 0] - x) + abs(where[last, 1] - y) < 1e-6
     )
+
+
+@compiled
+def _span(offset: float, grown: float, cell: float, count: int) -> range:
+    """Return the rows, or columns, of the cells within `grown` of an offset from their edge."""
+    first = max(0, math.floor((offset - grown) / cell))
+    return range(first, min(count - 1, math.floor((offset + grown) / cell)) + 1)
 
 
 @compiled
@@ -72,27 +82,22 @@ def place(
             continue
         dx, dy = points[k, 0] - pose[0], points[k, 1] - pose[1]
         x, y = cosine * dx + sine * dy, cosine * dy - sine * dx
-        first_row = max(0, math.floor((x - grown - lower[0]) / cell))
-        last_row = min(rows - 1, math.floor((x + grown - lower[0]) / cell))
-        first_column = max(0, math.floor((y - grown - lower[1]) / cell))
-        last_column = min(columns - 1, math.floor((y + grown - lower[1]) / cell))
-        if first_row > last_row or first_column > last_column:
-            continue
         distance = beyond(edges, x, y)
         if is_unknown and distance < 0.0:
             continue
-        for row in range(first_row, last_row + 1):
-            for column in range(first_column, last_column + 1):
-                if count == len(cells):
-                    return count
+        first = count
+        for row in _span(x - lower[0], grown, cell, rows):
+            for column in _span(y - lower[1], grown, cell, columns):
                 number = row * columns + column
                 if _is_there(cells, where, latest[number], count, number, x, y):
                     continue
+                if count == len(cells):
+                    return count
                 latest[number] = count
                 cells[count] = number
-                where[count, 0], where[count, 1] = x, y
-                where[count, 2], where[count, 3] = distance, anyway
                 count += 1
+        where[first:count, 0], where[first:count, 1] = x, y
+        where[first:count, 2], where[first:count, 3] = distance, anyway
     return count
 
 

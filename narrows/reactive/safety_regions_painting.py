@@ -10,8 +10,10 @@ from numpy.typing import NDArray
 
 from ..geometry import offset_polygon
 from ..se2 import Array
+from .braking_kernels import braking_poses
+from .part_kernels import paint_parts
 from .safety_regions import RegionOptions, protected
-from .safety_regions_kernels import NEVER, braking_poses, paint_direction, paint_parts
+from .safety_regions_kernels import NEVER, paint_direction
 
 _NEIGHBOURHOODS = (0.4, 0.15, 0.05, 0.02, 0.0)
 """How far from where the nominal body passes a cell still gets its part [m], widest first."""

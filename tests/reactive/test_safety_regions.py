@@ -12,6 +12,8 @@ from hypothesis import strategies as st
 
 import narrows
 from narrows.errors import InputError, ShapeError
+from narrows.reactive.braking_kernels import braking_poses
+from narrows.reactive.cell_kernels import hull_in_place
 from narrows.reactive.safety_regions import (
     STRAIGHT,
     RegionOptions,
@@ -20,12 +22,7 @@ from narrows.reactive.safety_regions import (
     top_norm,
 )
 from narrows.reactive.safety_regions_file import sealed
-from narrows.reactive.safety_regions_kernels import (
-    NEVER,
-    braking_poses,
-    hull_in_place,
-    paint_direction,
-)
+from narrows.reactive.safety_regions_kernels import NEVER, paint_direction
 from narrows.reactive.safety_regions_painting import motions_of
 
 SHARE = st.floats(-1.0, 1.0)
