@@ -25,7 +25,7 @@ from ..vehicle import Vehicle
 from .navigator_guard_options import GuardOptions
 from .navigator_motion import CommandedMotion
 from .navigator_places import Places
-from .navigator_sweep import Course, Obstacles, StoppingSweep
+from .navigator_sweep import FREE, UNSEEN, Course, Obstacles, StoppingSweep
 
 
 class Guard:
@@ -106,23 +106,25 @@ class Guard:
             )
             return motion.send(time, self._braked(goal if course else None))
         obstacles = self._obstacles(time, pose, percept)
-        blocked = -1 if course is None else self._sweep.first_on_course(obstacles, course)
+        blocked = FREE if course is None else self._sweep.first_on_course(obstacles, course)
         tried = np.full(2, math.nan)
-        for share in self.options.shares if blocked < 0 else ():
+        for share in self.options.shares if blocked == FREE else ():
             command = self._reachable(share * goal, keeps_curve=course is not None)
             if (command == tried).all():
                 continue
             tried = command
             blocked = self._sweep.first_in_way(obstacles, motion, command, max(age, 0.0), course)
-            if blocked < 0:
+            if blocked == FREE:
                 self.share = share
                 self.reason = "" if share == 1.0 else "slower, so as to be able to stop"
                 return motion.send(time, command)
-        x, y = obstacles.points[blocked, :2]
-        self.reason = f"something is in the way, {x:.2f} m ahead, {y:+.2f} m to the left"
+        self.reason = "too little is seen to drive that fast"
+        if blocked != UNSEEN:
+            x, y = obstacles.points[blocked, :2]
+            self.reason = f"something is in the way, {x:.2f} m ahead, {y:+.2f} m to the left"
         for other in otherwise:
             command = self._reachable(_command(other))
-            if self._sweep.first_in_way(obstacles, motion, command, max(age, 0.0)) < 0:
+            if self._sweep.first_in_way(obstacles, motion, command, max(age, 0.0)) == FREE:
                 return motion.send(time, command)
         return motion.send(time, self._braked(goal if course else None))
 

@@ -22,7 +22,9 @@ class GuardOptions:
         walking: Speed of somebody who walks [m/s].
         standing: How long the chair stands before somebody who walks can be there [s].
         trusted_after: A place that has been occupied for so long is taken to be furniture [s].
-            Before, what is there may walk; also a wall just come into view.
+            Before, what is there may walk; also a wall just come into view. 0: nobody walks.
+        reach: Distance from the body's origin up to which percepts tell of everything [m]. From
+            further away somebody may come: a chair that sees less far drives slower.
         oldest: Age of the percept from which on the chair stops [s].
         margin_known: Distance kept from what was planned for [m]; negative: that much of it may
             seem to be in the body, by errors of the sensors.
@@ -39,6 +41,7 @@ class GuardOptions:
     walking: float = 1.4
     standing: float = 0.5
     trusted_after: float = 4.0
+    reach: float = 3.0
     oldest: float = 0.3
     margin_known: float = -0.03
     berth: float = 0.5
@@ -49,6 +52,8 @@ class GuardOptions:
         for name in ("deceleration", "yaw_deceleration", "period"):
             if not 0.0 < getattr(self, name) < math.inf:
                 raise ShapeError(f"{name} must be a positive number, got {getattr(self, name)}")
+        if not self.reach > 0.0:
+            raise ShapeError(f"reach must be positive, infinite at most, got {self.reach}")
         for name in (
             "latency",
             "lag",

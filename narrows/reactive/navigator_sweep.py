@@ -18,6 +18,9 @@ from .navigator_motion import CommandedMotion
 _STEP = 0.02  # s: of the predicted way
 _APART = 0.03  # m: way of a body point between two looks
 
+FREE, UNSEEN = -1, -2
+"""What is returned in place of a point: nothing is in the way; who comes from afar may be."""
+
 Course = Callable[[Array], Array]
 """Poses (N, 3), from the body frame of now, that a chair comes through after distances (N,) [m]."""
 
@@ -59,7 +62,7 @@ class StoppingSweep:
         age: float,
         course: Course | None = None,
     ) -> int:
-        """Return the first point in the way to a stop after a command, or -1.
+        """Return the first point in the way to a stop after a command, or `FREE`, or `UNSEEN`.
 
         Args:
             obstacles: What must not be met.
@@ -93,20 +96,25 @@ class StoppingSweep:
             between = self._between(rows)
         rows = np.vstack([rows, rows[-1]])
         rows[-1, 0] += chosen.standing
+        if chosen.trusted_after > 0.0:  # else nobody walks
+            body = np.hypot(rows[:, 1], rows[:, 2]) + self._radius
+            walked = chosen.walking * (rows[:, 0] + age)
+            if (body + walked + chosen.margin > chosen.reach).any():
+                return UNSEEN
         return self._first_met(obstacles, rows, np.append(between, 0.0), age)
 
     def first_on_course(self, obstacles: Obstacles, course: Course) -> int:
-        """Return the first point that was not planned for on a course within the berth, or -1."""
+        """Return the first point not planned for on a course within the berth, or `FREE`."""
         new = np.flatnonzero(obstacles.is_new)
         if not len(new) or self._options.berth <= 0.0:
-            return -1
+            return FREE
         ahead = course(np.append(np.arange(0.0, self._options.berth, _APART), self._options.berth))
         rows = np.column_stack([np.zeros(len(ahead)), ahead])
         standing = Obstacles(
             obstacles.points[new], np.zeros(len(new)), obstacles.margins[new], obstacles.is_new[new]
         )
         found = self._first_met(standing, rows, self._between(rows), 0.0)
-        return int(new[found]) if found >= 0 else -1
+        return int(new[found]) if found >= 0 else FREE
 
     def _between(self, rows: Array) -> Array:
         """Return how far a body point is from its place at the nearer of the rows beside it."""
@@ -115,7 +123,7 @@ class StoppingSweep:
         return np.asarray(np.maximum(np.append(half, 0.0), np.append(0.0, half)))
 
     def _first_met(self, obstacles: Obstacles, rows: Array, between: Array, age: float) -> int:
-        """Return the first point that a body comes too near at rows [t, x, y, heading], or -1."""
+        """Return the first point a body comes too near at rows [t, x, y, heading], or `FREE`."""
         from .navigator_kernels import is_way_free
 
         planes = (self._normals, self._offsets, self._heights)

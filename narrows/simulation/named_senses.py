@@ -19,10 +19,14 @@ from .chair_senses import ChairSenses
 from .depth_sensor import DepthSensor, kinect
 from .fitted_sensors import Faults, FittedCamera, FittedLaser, Schedule, Spell
 from .laser import on_corners
-from .senses import IdealSenses, Senses
+from .senses import IdealOptions, IdealSenses, Senses
 
 CAMERA = Mounting(height=1.0, tilt=math.radians(25.0))
 """Where the depth camera sits: above the drive axle, looking down ahead."""
+
+REACH = 3.7
+"""Distance from the body's origin up to which all of them tell of obstacles [m]: as far as the map
+of the sensors does in every direction. A guard must be told, see `GuardOptions.reach`."""
 
 _PIXELS = (320, 240)
 _RATE, _LATENCY = 10.0, 0.06  # Hz, s: of the camera
@@ -77,11 +81,11 @@ def lasers_and_camera(
     fitted = [FittedLaser(scanner, Schedule(faults=found)) for scanner in scanners]
     schedule = Schedule(rate=_RATE, latency=_LATENCY, faults=found)
     seeing = FittedCamera(DepthSensor(camera), ObstacleFinder(camera, _GRID), schedule)
-    return ChairSenses(scene, [*fitted, seeing], rng=rng)
+    return ChairSenses(scene, [*fitted, seeing], reach=REACH, rng=rng)
 
 
 def _ideal(scene: Scene, silent: tuple[Spell, ...]) -> Senses:
-    return Silenced(IdealSenses(scene.world), silent)
+    return Silenced(IdealSenses(scene.world, IdealOptions(reach=REACH)), silent)
 
 
 def _sensors(scene: Scene, silent: tuple[Spell, ...]) -> Senses:

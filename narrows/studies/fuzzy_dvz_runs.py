@@ -18,8 +18,9 @@ from ..se2 import Array
 from ..simulation.judge import Judgement, judge
 from ..simulation.named_senses import Silenced
 from ..simulation.record import Record
-from ..simulation.senses import IdealSenses, Senses
+from ..simulation.senses import IdealOptions, IdealSenses, Senses
 from ..simulation.simulator import SimulationOptions, simulate
+from ..world import World
 from .case import Case, Scalar
 from .fuzzy_dvz_plausible import disc_way, holding_disc, is_plausible
 from .fuzzy_dvz_printed import VARIANTS, UnguardedNavigator
@@ -35,6 +36,9 @@ from .fuzzy_dvz_scenes import (
 
 DRIVE = SimulationOptions(step=0.05, period=0.05, time_limit=240.0)
 """How drives are simulated: control at 20 Hz."""
+
+REACH = 4.0
+"""How far from the body's origin the ideal senses tell of obstacles [m]."""
 
 GUARDED = "navigator"
 """The whole navigator; the other variants have no guard."""
@@ -68,6 +72,7 @@ def drive(
     *,
     senses: Senses | None = None,
     knows_velocities: bool = False,
+    reach: float = REACH,
     options: SimulationOptions = DRIVE,
 ) -> Drive:
     """Return a drive.
@@ -77,15 +82,17 @@ def drive(
         variant: `GUARDED`, `BLIND` or one of `VARIANTS`.
         senses: What it perceives with; default ideal senses.
         knows_velocities: Whether the zone is told how fast people walk.
+        reach: How far from the body's origin the senses tell of obstacles [m].
         options: How it is simulated.
     """
     target = scene.goal.pose[:2]
     controller: Controller
     if variant == GUARDED:
         velocities = velocities_of(scene.world) if knows_velocities else None
-        controller = Navigator(scene.vehicle, target, guarded_options(), velocities=velocities)
+        chosen = guarded_options(reach)
+        controller = Navigator(scene.vehicle, target, chosen, velocities=velocities)
     elif variant == BLIND:
-        blind = replace(guarded_options(), thresholds=Thresholds(1e9, 0.0))
+        blind = replace(guarded_options(math.inf), thresholds=Thresholds(1e9, 0.0))
         controller = Navigator(scene.vehicle, target, blind)
         senses = _Blindfold()
     elif variant in VARIANTS:
@@ -93,7 +100,9 @@ def drive(
     else:
         allowed = ", ".join((GUARDED, BLIND, *VARIANTS))
         raise StudyError("no such variant", value=variant, allowed=allowed)
-    record = simulate(scene, controller, senses=senses or IdealSenses(scene.world), options=options)
+    record = simulate(
+        scene, controller, senses=senses or ideal_senses(scene.world), options=options
+    )
     off = float(np.hypot(*(record.poses[-1, :2] - target)))
     reason = controller.reason if isinstance(controller, Navigator) else "on its way"
     if not controller.finished:
@@ -101,10 +110,21 @@ def drive(
     return Drive(scene, record, judge(scene, record), reason, off <= scene.goal.position_tolerance)
 
 
-def guarded_options() -> NavigatorOptions:
-    """Return the navigator's options with a guard that knows the simulated chair."""
+def ideal_senses(world: World) -> IdealSenses:
+    """Return senses that know all outlines within `REACH`."""
+    return IdealSenses(world, IdealOptions(reach=REACH))
+
+
+def guarded_options(reach: float = REACH) -> NavigatorOptions:
+    """Return the navigator's options with a guard that knows the simulated chair.
+
+    Args:
+        reach: How far from the body's origin its senses tell of obstacles [m].
+    """
     plant = DRIVE.plant
-    guard = GuardOptions(latency=plant.latency, lag=plant.motor_lag, period=DRIVE.period)
+    guard = GuardOptions(
+        latency=plant.latency, lag=plant.motor_lag, period=DRIVE.period, reach=reach
+    )
     return NavigatorOptions(guard=guard)
 
 
@@ -183,7 +203,7 @@ def odd_case(case: Case, rng: np.random.Generator) -> Mapping[str, Scalar]:
             "glass table, not at all": (GLASS, "a leg"),
         }[name]
         solids = tuple(solid for solid in scene.world.solids if solid.name not in unseen)
-        senses = IdealSenses(replace(scene.world, solids=solids))
+        senses = ideal_senses(replace(scene.world, solids=solids))
         return row_of(drive(scene, senses=senses))
     raise StudyError("no such case", value=name)
 
@@ -196,7 +216,7 @@ def dropout_case(case: Case, rng: np.random.Generator) -> Mapping[str, Scalar]:
     ends = float(rng.uniform(10.0, 30.0))
     silent = (*zip(begin.tolist(), end.tolist(), strict=True), (ends, math.inf))
     options = replace(DRIVE, time_limit=ends + 5.0)
-    driven = drive(scene, senses=Silenced(IdealSenses(scene.world), silent), options=options)
+    driven = drive(scene, senses=Silenced(ideal_senses(scene.world), silent), options=options)
     found = row_of(driven)
     record = driven.record
     last = int(np.searchsorted(record.times, ends))

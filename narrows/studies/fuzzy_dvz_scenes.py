@@ -10,6 +10,7 @@ import math
 from collections.abc import Callable
 
 import numpy as np
+import shapely
 
 from ..errors import StudyError
 from ..scene import Goal, Scene
@@ -25,6 +26,8 @@ LOW_CHAIR = Vehicle.rectangle(1.0, 0.65, 0.25, height=1.0, track=0.55, name="cha
 
 NEAR = 0.2
 """How near a goal the chair has to stand [m]: it arrives at 0.1 m and stops."""
+
+_TALL = 1.8  # m: people
 
 KINDS = ("constant", "stop-and-go", "crossing")
 """Ways of walking."""
@@ -156,13 +159,23 @@ def peopled(rng: np.random.Generator, kind: str) -> Scene:
     Args:
         rng: Source of the world.
         kind: One of `KINDS`. "constant" walk along the chair's way, "crossing" across it, both at
-            constant speed; "stop-and-go" stop for 0.5 to 3 s three times on each way.
+            constant speed; "stop-and-go" stop for 0.5 to 3 s three times on each way. Nobody
+            walks through things.
     """
     if kind not in KINDS:
         raise StudyError("nobody walks so", value=kind, allowed=", ".join(KINDS))
     still = cluttered(rng, count=4)
-    people = tuple(_walker(rng, kind, f"person {k + 1}") for k in range(3))
-    return Scene(still.vehicle, World(still.world.solids, moving=people), still.start, still.goal)
+    met = [s.shape.buffer(s.radius) for s in still.world.solids if s.z[0] < _TALL]
+    things = shapely.union_all(met)
+    people: list[MovingSolid] = []
+    while len(people) < 3:
+        person = _walker(rng, kind, f"person {len(people) + 1}")
+        line = shapely.LineString(person.path[:, 1:])
+        if line.distance(things) > person.radius:
+            people.append(person)
+    return Scene(
+        still.vehicle, World(still.world.solids, moving=tuple(people)), still.start, still.goal
+    )
 
 
 def _walker(rng: np.random.Generator, kind: str, name: str) -> MovingSolid:
@@ -182,7 +195,7 @@ def _walker(rng: np.random.Generator, kind: str, name: str) -> MovingSolid:
             rows.append([time, *place])
             if kind == "stop-and-go" and k < pieces:
                 rows.append([time + rng.uniform(0.5, 3.0), *place])
-    return MovingSolid(0.25, np.array(rows), (0.0, 1.8), name)
+    return MovingSolid(0.25, np.array(rows), (0.0, _TALL), name)
 
 
 def trap(depth: float) -> Scene:

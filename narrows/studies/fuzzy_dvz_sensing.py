@@ -28,6 +28,8 @@ SENSED = ("two lasers", "two lasers and a depth camera", "a depth camera")
 CAMERA = Mounting(height=1.0, tilt=math.radians(25.0))
 """Of the depth camera, 57 degrees wide; 320 x 240 pixels at 10 Hz."""
 
+_REACH = 3.7  # m: as far as the map tells in every direction
+
 
 def senses_of(scene: Scene, kind: str, rng: np.random.Generator) -> ChairSenses:
     """Return a chair's senses.
@@ -47,11 +49,12 @@ def senses_of(scene: Scene, kind: str, rng: np.random.Generator) -> ChairSenses:
         finder = ObstacleFinder(camera, Grid(x_from=0.8, x_to=4.4))
         schedule = Schedule(rate=10.0, latency=0.06)
         fitted.append(FittedCamera(DepthSensor(camera), finder, schedule))
-    return ChairSenses(scene, fitted, rng=rng)
+    return ChairSenses(scene, fitted, reach=_REACH, rng=rng)
 
 
 def sensing_case(case: Case, rng: np.random.Generator) -> Mapping[str, Scalar]:
     """Return a row: one of the paper's runs by a chair's own senses."""
     scene = PAPER_SCENES[str(case["scene"])]()
     senses = senses_of(scene, str(case["senses"]), rng)
-    return row_of(drive(scene, senses=senses, options=replace(DRIVE, time_limit=120.0)))
+    options = replace(DRIVE, time_limit=120.0)
+    return row_of(drive(scene, senses=senses, reach=_REACH, options=options))

@@ -10,6 +10,7 @@ from narrows.errors import ShapeError
 from narrows.interfaces import Percept
 from narrows.reactive.navigator import Navigator, NavigatorOptions
 from narrows.reactive.navigator_guard_options import GuardOptions
+from narrows.reactive.navigator_persistence import PersistenceOptions
 from narrows.reactive.switching import Active, Switch, Thresholds
 from narrows.scene import Goal, Scene
 from narrows.simulation.judge import judge
@@ -82,7 +83,7 @@ def test_a_closed_room_ends_in_stuck_with_a_reason_and_without_contact():
         Solid.polygon([[a, -0.8], [b, -0.8], [b, 0.8], [a, 0.8]])
         for a, b in ((-3.2, -3.1), (-0.5, -0.4))
     ]
-    options = NavigatorOptions(patience=2.0, endurance=40.0)
+    options = NavigatorOptions(persistence=PersistenceOptions(patience=2.0, endurance=40.0))
     navigator, record, verdict = drive(walls, options=options)
     assert navigator.finished
     assert not navigator.arrived
@@ -95,10 +96,21 @@ def test_a_closed_room_ends_in_stuck_with_a_reason_and_without_contact():
 def test_a_chair_that_may_not_reverse_does_not_back_off():
     vehicle = replace(CHAIR, limits=replace(CHAIR.limits, reverse_speed=0.0))
     wall = Solid.polygon([[-0.5, -3], [-0.4, -3], [-0.4, 3], [-0.5, 3]])
-    options = NavigatorOptions(patience=2.0, endurance=20.0)
+    options = NavigatorOptions(persistence=PersistenceOptions(patience=2.0, endurance=20.0))
     _, record, _ = drive([wall], options=options, vehicle=vehicle, limit=40.0)
     assert record.commands[:, 0].min() >= 0.0
     assert not (record.signals["active"] == Active.BACKING).any()
+
+
+def test_it_goes_through_a_gap_narrower_than_its_zone_without_turning_away():
+    """The zone at rest is 1.4 m wide; the chair of 0.65 m fits between posts 1.1 m apart."""
+    posts = [Solid.circle(0.5, side * 0.8, 0.25) for side in (-1, 1)]
+    navigator, record, verdict = drive(posts)
+    assert navigator.arrived
+    assert not verdict.contacts
+    assert (record.signals["active"] == Active.ZONE).any()
+    assert np.abs(record.poses[:, 1]).max() < 0.15
+    assert record.length < 5.1
 
 
 def test_near_its_target_it_docks_beside_what_stands_there():
@@ -114,7 +126,7 @@ def steps(navigator, percept, count, pose=(0.0, 0.0, 0.0)):
 def test_it_stops_when_the_sensors_fall_silent():
     navigator = Navigator(CHAIR, [5.0, 0.0])
     commands = steps(navigator, lambda time: Percept(min(time, 1.5), NOTHING), 60)
-    assert max(v for v, _ in commands) > 0.5
+    assert max(v for v, _ in commands) > 0.4
     assert commands[-1][0] == 0.0
     assert "silent" in navigator.guard.reason
 

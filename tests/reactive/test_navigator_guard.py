@@ -254,6 +254,25 @@ def test_a_share_keeps_the_curve_and_the_rates():
     np.testing.assert_allclose(before, [0.5, 0.25])
 
 
+def approached(reach):
+    """Drive towards somebody who comes at 1.4 m/s, seen from 3 m away; return the contacts."""
+    person = MovingSolid(0.25, np.array([[0.0, 9.0, 0.0], [12.0, -7.8, 0.0]]), (0.0, 1.8), "she")
+    scene = Scene(CHAIR, World(moving=(person,)), np.zeros(3), Goal([9.0, 0.0, 0.0]))
+    driver = Hostile()
+    driver.guard = Guard(CHAIR, GuardOptions(reach=reach))
+    driver.step = lambda time, pose, percept: driver.guard.limit(time, pose, percept, [0.8, 0.0])
+    options = SimulationOptions(period=PERIOD, time_limit=8.0)
+    record = simulate(scene, driver, senses=IdealSenses(scene.world), options=options)
+    return judge(scene, record)
+
+
+def test_who_comes_from_beyond_what_is_seen_meets_a_chair_that_stands():
+    told = approached(3.0)
+    assert told.walked_into
+    assert not told.collisions
+    assert approached(math.inf).collisions  # it drove faster than it could see
+
+
 def test_other_commands_are_tried_where_no_share_passes():
     guard = Guard(CHAIR, TRUSTING)
     ahead = Percept(0.0, np.array([[0.97, 0.0, 0.5]]))

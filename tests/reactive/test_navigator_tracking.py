@@ -14,6 +14,7 @@ from narrows.reactive.navigator_known import KnownSolids
 from narrows.reactive.navigator_tracking import GuardedTracker
 from narrows.scene import Goal, Scene
 from narrows.simulation.judge import judge
+from narrows.simulation.named_senses import Silenced
 from narrows.simulation.senses import IdealSenses
 from narrows.simulation.simulator import SimulationOptions, simulate
 from narrows.tracking.registry import make_tracker
@@ -31,7 +32,7 @@ WALLS = {
 }
 
 
-def drive(world, *, unforeseen=(), moving=(), patience=60.0, limit=40.0):
+def drive(world, *, unforeseen=(), moving=(), patience=60.0, limit=40.0, path=None):
     whole = World((*world, *unforeseen), moving=moving)
     scene = Scene(CHAIR, whole, PATH.start, Goal(PATH.goal))
     options = SimulationOptions(period=0.05, time_limit=limit)
@@ -40,6 +41,7 @@ def drive(world, *, unforeseen=(), moving=(), patience=60.0, limit=40.0):
         CHAIR,
         GuardOptions(deceleration=0.6),
         known=KnownSolids(World(world)),
+        path=path,
         patience=patience,
     )
     record = simulate(scene, controller, senses=IdealSenses(whole), reference=PATH, options=options)
@@ -66,6 +68,39 @@ def test_a_box_left_in_the_door_stops_the_chair_before_it_until_it_gives_up():
     assert not verdict.contacts
     assert 0.0 < verdict.min_clearance < 0.15  # it came near, no wider berth than it needs
     assert abs(record.wheel_speeds[-1]).max() < 1e-2
+
+
+def test_on_its_path_it_stands_back_from_what_is_left_there():
+    box = Solid.polygon([[0.5, -0.1], [0.7, -0.1], [0.7, 0.1], [0.5, 0.1]], z=(0.0, 0.3))
+    controller, _, verdict = drive(WALLS[0.87], unforeseen=(box,), patience=5.0, path=PATH)
+    assert "gave up after 5 s: something is in the way" in controller.reason
+    berth = GuardOptions().berth
+    assert berth - 0.25 < verdict.min_clearance < berth  # it brakes when the box is half a metre on
+
+
+def test_what_stands_beside_its_path_does_not_hold_it_up():
+    post = Solid.circle(-0.2, 0.335 + 0.08 + 0.1, 0.1, name="a post 8 cm beside the way")
+    _, _, verdict = drive(WALLS[0.87], unforeseen=(post,), path=PATH)
+    assert verdict.reached
+    assert verdict.min_clearance == pytest.approx(0.08, abs=0.01)
+
+
+def test_a_chair_that_brakes_in_a_bend_stays_on_its_path():
+    """The bend ends before it stands: braking on the arc of the last command leads 11 mm off."""
+    turns = np.linspace(0.0, 1.0, 30)
+    bend = np.column_stack([0.5 * np.sin(turns), 0.5 * (1 - np.cos(turns)), turns])
+    end = bend[-1] + np.array([math.cos(1.0), math.sin(1.0), 0.0])
+    path = Path.from_poses([[-1.0, 0.0, 0.0], *bend, end])
+    tracker = make_tracker("lookahead", path, CHAIR)
+    controller = GuardedTracker(tracker, CHAIR, GuardOptions(deceleration=0.6), path=path)
+    scene = Scene(CHAIR, World(), path.start, Goal(path.goal))
+    silent = Silenced(IdealSenses(scene.world), ((4.2, math.inf),))
+    options = SimulationOptions(period=0.05, time_limit=8.0)
+    record = simulate(scene, controller, senses=silent, reference=path, options=options)
+    braking = (record.commands[:, 0] > 1e-3) & (record.times > 4.6)
+    assert 0.0 < record.poses[braking, 2].min() < record.poses[-1, 2] < 1.0 + 1e-2  # in the bend
+    assert np.abs(record.wheel_speeds[-1]).max() < 1e-3
+    assert np.abs(record.cross_track).max() < 5e-3
 
 
 def test_somebody_who_steps_into_the_door_stops_it_and_a_cleared_door_lets_it_go_on():
