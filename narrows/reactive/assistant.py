@@ -16,16 +16,11 @@ from .assistant_braking import ComfortBraking
 from .assistant_look import Look
 from .assistant_options import AssistantOptions, AssistantState
 from .assistant_prediction import Prediction
-from .assistant_restoring import Orientation
 from .assistant_view import View
-from .avoidance import indicated_side, sides_to_try, way_past
+from .assistant_wish import STILL, Wish, bounded
 from .door_blend import DoorAhead, DoorBlend
 from .safety_regions import SafetyRegions, top_norm
-from .side_tables import side_table
 from .smooth_motion import MotionLimits, Smooth, SmoothMotion
-
-_STILL = 1e-3  # m/s: speed norm below which nothing moves
-_SPIN = 0.2  # |v| below this share of the rim speed: a turn on the spot, with no side to avoid to
 
 
 class Assistant:
@@ -35,9 +30,6 @@ class Assistant:
     the next one towards it, within the limits of smooth motion, that a full braking could follow:
     the region of its motion holds no obstacle at its speed. If none can be taken, the last command
     is braked fully in its own direction, which the step before has found to be clear.
-
-    Attributes:
-        state: State in Fig. 4 after the last step.
     """
 
     def __init__(
@@ -61,7 +53,6 @@ class Assistant:
         """
         self._options = options = AssistantOptions() if options is None else options
         _check_fit(vehicle, regions, options)
-        self._vehicle = vehicle
         self._regions = regions
         self._limits = MotionLimits.of(vehicle, yaw_jerk=options.yaw_jerk)
         self._smooth = SmoothMotion(self._limits, period=options.period)
@@ -70,13 +61,17 @@ class Assistant:
         self._look = Look(vehicle, regions, unknown_norm=into_unknown)
         self._view = View(options.fresh, options.stale)
         self._prediction = Prediction(options.latency, options.motor_lag)
-        self._orientation = Orientation(options, self._limits)
-        self._table = side_table(options.sides)
+        self._wish = Wish(
+            regions, options, self._limits, self._braking, self._look, top_norm(vehicle)
+        )
         self._door_blend = door_blend
-        self._deviation = 0.0
         self._last = (-math.inf, 0.0, 0.0)  # time and motion of the last step
-        self.state = AssistantState.FULL_USER_CONTROL
         self._signals: dict[str, float] = {}
+
+    @property
+    def state(self) -> AssistantState:
+        """State in Fig. 4 after the last step."""
+        return self._wish.state
 
     @property
     def signals(self) -> Mapping[str, float]:
@@ -128,7 +123,7 @@ class Assistant:
             taken, is_full = self._smooth.force(0.0, 0.0), False
             limit = 0.0
         else:
-            target, limit = self._target(helped, trust)
+            target, limit = self._wish.target(helped, trust, is_helped=door_weight > 0.0)
             target = self._slowed(target, v, omega)
             levelled = trust == 0.0 and self._smooth.level_off()
             taken, is_full = self._take(target, v, omega)
@@ -137,7 +132,7 @@ class Assistant:
         self._signals = {
             "state": float(self.state),
             "limit": 0.5 * limit,
-            "deviation": self._deviation,
+            "deviation": self._wish.deviation,
             "trust": trust,
             "full_braking": float(is_full),
             "door_weight": door_weight,
@@ -152,95 +147,15 @@ class Assistant:
             return np.zeros(3)
         dt = min(max(time - before, 0.0), 1.0)
         travel, turn = 0.5 * (v + last_v) * dt, 0.5 * (omega + last_omega) * dt
-        self._orientation.moved(travel, turn)
+        self._wish.moved(travel, turn)
         half = 0.5 * turn
         return np.array([travel * math.cos(half), travel * math.sin(half), turn])
-
-    def _target(
-        self, asked: tuple[float, float], trust: float
-    ) -> tuple[tuple[float, float], float]:
-        """Return where the command is to go to, and the limit in the indicated direction."""
-        phi, norm = self._regions.polar(*asked)
-        wanted = min(norm, trust * top_norm(self._vehicle))
-        if wanted < _STILL:
-            self.state = (
-                AssistantState.FULL_USER_CONTROL if norm < _STILL else AssistantState.BRAKING
-            )
-            self._orientation.forget()
-            self._deviation = 0.0
-            return (0.0, 0.0), 0.0
-        limit = self._braking.comfortable(self._look.limit(phi))
-        if limit >= wanted:
-            return self._unhindered(asked, phi, norm, wanted), limit
-        self._deviation = self._detour(asked, phi, norm, limit)
-        if self._deviation == 0.0:
-            self.state = AssistantState.BRAKING
-            return self._bounded(phi, min(limit, wanted), asked), limit
-        if self.state is not AssistantState.OBSTACLE_AVOIDANCE:
-            if not self._orientation.is_kept or not self._orientation.is_untouched(*asked):
-                self._orientation.keep(*asked)
-            self.state = AssistantState.OBSTACLE_AVOIDANCE
-        phi += self._deviation
-        limit = self._braking.comfortable(self._look.limit(phi))
-        return self._bounded(phi, min(limit, wanted), asked), limit
-
-    def _unhindered(
-        self, asked: tuple[float, float], phi: float, norm: float, wanted: float
-    ) -> tuple[float, float]:
-        """Return the target where nothing is in the way the user indicates."""
-        self._deviation = 0.0
-        orientation = self._orientation
-        if orientation.is_kept and orientation.is_untouched(*asked) and orientation.is_due():
-            v, omega = asked[0], asked[1] + orientation.correction()
-            back, _ = self._regions.polar(*self._limits.clipped(v, omega))
-            limit = self._braking.comfortable(self._look.limit(back))
-            if limit >= self._options.close * wanted:
-                self.state = AssistantState.RESTORING_ORIENTATION
-                self._deviation = back - phi
-                return self._bounded(back, min(limit, wanted), asked)
-            # What was avoided is still beside the chair: go on, and try again.
-            self.state = AssistantState.RESTORING_ORIENTATION
-        else:
-            orientation.forget()
-            self.state = AssistantState.FULL_USER_CONTROL
-        scale = wanted / norm
-        return asked if scale >= 1.0 else (scale * asked[0], scale * asked[1])
-
-    def _detour(self, asked: tuple[float, float], phi: float, norm: float, limit: float) -> float:
-        """Return by how much to deviate from the indicated direction [rad]; 0: only brake."""
-        options = self._options
-        forward = asked[0] > 0.0
-        is_spin = abs(asked[0]) < _SPIN * 0.5 * norm
-        is_close = limit < options.close * norm
-        is_avoiding = self.state is AssistantState.OBSTACLE_AVOIDANCE
-        is_helped = self._door_blend is not None and self._door_blend.weight > 0.0
-        if not options.steers or is_helped or is_spin or not (is_close or is_avoiding):
-            return 0.0
-        part_limits = np.array([self._braking.comfortable(x) for x in self._look.part_limits(phi)])
-        indicated = indicated_side(phi, forward, options.avoidance.straight_band)
-        sides = sides_to_try(part_limits, norm, indicated, self._table, forward)
-        if not any(sides):
-            return 0.0
-        return way_past(
-            self._look, self._braking, phi, norm, forward, sides, self._deviation, options.avoidance
-        )
-
-    def _bounded(self, phi: float, norm: float, asked: tuple[float, float]) -> tuple[float, float]:
-        """Return the motion of a direction and a speed norm, no faster than asked for."""
-        v, omega = self._regions.motion(phi, norm)
-        if v * asked[0] <= 0.0:
-            return 0.0, omega
-        scale = min(1.0, asked[0] / v)
-        sideways = abs(v * omega)
-        if sideways > self._limits.lateral_acceleration:
-            scale = min(scale, math.sqrt(self._limits.lateral_acceleration / sideways))
-        return scale * v, scale * omega
 
     def _slowed(self, target: tuple[float, float], v: float, omega: float) -> tuple[float, float]:
         """Return a target no faster than the region of the actual motion allows."""
         phi, norm = self._regions.polar(v, omega)
         _, wanted = self._regions.polar(*target)
-        if norm < 10.0 * _STILL or wanted < _STILL:
+        if norm < 10.0 * STILL or wanted < STILL:
             return target
         accelerating = math.copysign(1.0, v) * self._smooth.rates[0]
         limit = self._braking.comfortable(self._look.limit(phi), accelerating)
@@ -272,10 +187,10 @@ class Assistant:
         last = self._smooth.command
         phi, norm = self._regions.polar(*last)
         _, wanted = self._regions.polar(*target)
-        if norm < _STILL or last[0] * target[0] <= 0.0:
+        if norm < STILL or last[0] * target[0] <= 0.0:
             return 0.0, 0.0
         limit = self._braking.comfortable(self._look.limit(phi))
-        return self._bounded(phi, min(limit, norm, wanted), target)
+        return bounded(self._regions, self._limits, phi, min(limit, norm, wanted), target)
 
     def _may(self, v: Smooth, omega: Smooth) -> bool:
         """Return whether a full braking can follow a command."""
