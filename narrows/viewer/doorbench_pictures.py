@@ -19,7 +19,8 @@ from narrows.scene import Scene
 from narrows.se2 import Array
 
 from . import palette
-from .scene_drawing import draw_ends, draw_world, outline_of, swept_area
+from .motion_drawing import swept_area
+from .scene_drawing import draw_ends, draw_world, outline_of
 from .study_axes import new_figure, study_style
 from .view_box import view_box
 

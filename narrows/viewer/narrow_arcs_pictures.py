@@ -18,7 +18,8 @@ from narrows.vehicle import Vehicle
 from narrows.world import World
 
 from . import palette
-from .scene_drawing import outline_of, swept_area
+from .motion_drawing import swept_area
+from .scene_drawing import outline_of
 from .study_axes import draw_body, draw_room, new_figure, study_style
 from .view_box import ViewBox
 

@@ -14,8 +14,9 @@ from viser import ClientHandle, ViserServer
 
 from narrows.errors import InputError
 
+from .page_camera import camera
 from .page_controllers import CommandControllers
-from .page_drawing import SceneDrawing, camera
+from .page_drawing import SceneDrawing
 from .page_jobs import JobRunner
 from .page_session import Session
 from .page_state import SceneState

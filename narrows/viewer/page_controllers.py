@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time as clock
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
@@ -16,6 +15,7 @@ from narrows.scene import Scene
 from narrows.se2 import Array
 from narrows.vehicle import Vehicle
 
+from .page_driver import BY_HAND, PageDriver
 from .page_report import Report
 from .page_senses import Watched, region_outline, zone_outline
 from .page_work import Drive, distances, plan_scene
@@ -29,7 +29,6 @@ ZONE, ASSISTANT, ALONE = "zone navigator", "assistant", "driver alone"
 CONTROLLERS = (ZONE, ASSISTANT, ALONE)
 """Who drives by what it perceives, without a plan to keep to; the last two have a driver."""
 
-BY_HAND = "joystick of this page"
 _PERIOD = 0.05  # s, of the assistant
 _REACH = 2.5  # m, of the map about the chair
 _CELL = 0.02  # m
@@ -253,46 +252,3 @@ def _seated(
     if plan.path is None:
         raise InputError(f"the driver knows no way: {plan.status.value}, {plan.reason}")
     return plan, scripted_driver(scene, plan.path, name, stick, np.random.default_rng(0))
-
-
-class PageDriver:
-    """Whoever holds the joystick of the page: in real time, until they press stop.
-
-    A `narrows.simulation.drivers.Driver` that waits for the clock, so that a simulated second
-    takes one.
-    """
-
-    def __init__(self, report: Report, scene: Scene) -> None:
-        """Begin when the first step is asked for."""
-        self._report = report
-        self._goal = np.asarray(scene.goal.pose[:2])
-        self._begun: float | None = None
-        self._stopped = False
-        self._start = np.asarray(scene.start[:2])
-        self._progress = 0.0
-
-    @property
-    def finished(self) -> bool:
-        """Whether stop was pressed."""
-        return self._stopped
-
-    @property
-    def progress(self) -> float:
-        """How much nearer to the goal than at the start [m]."""
-        return self._progress
-
-    def step(self, time: float, pose: ArrayLike, motion: ArrayLike) -> Array:
-        """Return the stick [forward, left] as it is held now."""
-        now = clock.monotonic()
-        self._begun = now if self._begun is None else self._begun
-        clock.sleep(max(0.0, self._begun + time - now))
-        place = np.asarray(pose, dtype=float)
-        before, left = self._start - self._goal, place[:2] - self._goal
-        self._progress = float(np.hypot(*before) - np.hypot(*left))
-        self._report({"time": time, "pose": place})
-        held = self._report.latest()
-        if held == "stop":
-            self._stopped = True
-        if not isinstance(held, tuple):
-            return np.zeros(2)
-        return np.asarray(np.clip(np.asarray(held, dtype=float), -1.0, 1.0))

@@ -3,37 +3,29 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import shapely
 from viser import SceneApi
 
-from narrows.clearance import Certificate
-from narrows.path import Path
 from narrows.scene import Scene
-from narrows.se2 import Array, transform
+from narrows.se2 import Array
 from narrows.vehicle import Vehicle
 from narrows.world import FLOOR_TO_CEILING, Door, Solid
 
 from . import palette
 from .chair_mesh import chair_parts
+from .motion_shapes import swept_floor
+from .page_camera import CUT
 from .solids_mesh import Mesh, edges_of, flat_mesh, joined, solid_mesh
 from .view_box import view_box, world_box
-
-CUT = 0.8
-"""Height at which walls from floor to ceiling are cut, so that one sees behind them [m]."""
 
 WALL: tuple[int, int, int] = (150, 150, 148)
 THING: tuple[int, int, int] = (176, 137, 92)
 FLOOR: tuple[int, int, int] = (238, 236, 230)
 
-_STEP = 0.02  # m between the points of a drawn line
 _DASH = 0.12  # m
-_FOV = math.radians(40.0)
-_TILT = 62.0  # degrees the camera looks down
-_STEP_TURN = math.radians(2.0)
 _PIN = 1.5  # m
 _SWEPT, _PATH, _LABEL = 0.01, 0.06, 0.3  # m above the floor
 
@@ -267,65 +259,6 @@ class SceneDrawing:
         )
 
 
-def spread(path: Path) -> Array:
-    """Return poses along a path, at most 2 cm of progress apart, (N, 3)."""
-    return path(np.linspace(0.0, path.span, max(2, math.ceil(path.span / _STEP) + 1)))
-
-
-def thinned(poses: Array) -> Array:
-    """Return the rows of a motion that are 2 cm or 2 degrees apart, the last among them, (M, 3)."""
-    scaled = poses * [1.0 / _STEP, 1.0 / _STEP, 1.0 / _STEP_TURN]
-    travelled = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(scaled, axis=0)).max(axis=1))])
-    kept = np.unique(np.concatenate([[True], np.diff(np.floor(travelled)) > 0.0]).nonzero()[0])
-    rows = np.union1d(kept, [0, len(poses) - 1])
-    return np.asarray(poses[rows])
-
-
-def swept_floor(outline: Array, poses: Array) -> shapely.MultiPolygon:
-    """Return the area an outline (K, 2) passes over: hulls of neighbouring bodies, joined."""
-    bodies = transform(poses, outline)
-    pairs = np.concatenate([bodies[:-1], bodies[1:]], axis=1)
-    owners = np.repeat(np.arange(len(pairs)), pairs.shape[1])
-    hulls = shapely.convex_hull(shapely.multipoints(pairs.reshape(-1, 2), indices=owners))
-    return shapely.MultiPolygon(shapely.get_parts(shapely.union_all(hulls).simplify(2e-3)))
-
-
-@dataclass(frozen=True)
-class Camera:
-    """Where a scene is seen from.
-
-    Attributes:
-        position: Of the eye [m].
-        look_at: What is in the middle [m].
-        fov: Angle from the lower to the upper edge [rad].
-    """
-
-    position: tuple[float, float, float]
-    look_at: tuple[float, float, float]
-    fov: float = _FOV
-
-
-def camera(scene: Scene, aspect: float = 1.2) -> Camera:
-    """Return the nearest camera that sees the whole scene, from above and the south.
-
-    Args:
-        scene: What is to be seen.
-        aspect: Width of the picture by its height.
-    """
-    x0, y0, x1, y1 = view_box(scene, [])
-    middle = np.array([0.5 * (x0 + x1), 0.5 * (y0 + y1), 0.0])
-    corners = np.array([[x, y, z] for x in (x0, x1) for y in (y0, y1) for z in (0.0, CUT)])
-    down = math.radians(_TILT)
-    ahead = np.array([0.0, math.cos(down), -math.sin(down)])
-    upward = np.array([0.0, math.sin(down), math.cos(down)])
-    off = corners - middle
-    tangent = math.tan(0.5 * _FOV)
-    needed = [np.abs(off @ upward) / tangent, np.abs(off[:, 0]) / (tangent * aspect)]
-    distance = 1.04 * float((np.max(needed, axis=0) - off @ ahead).max())
-    x, y, z = (middle - distance * ahead).tolist()
-    return Camera((x, y, z), (float(middle[0]), float(middle[1]), 0.0))
-
-
 def _beside(door: Door) -> tuple[float, float, float]:
     """Return where a door's label stands: on the wall, to the right of who drives through."""
     right = np.array([math.sin(door.heading), -math.cos(door.heading)])
@@ -343,27 +276,3 @@ def _rings(solid: Solid) -> list[shapely.LinearRing]:
 def _lifted(points: Array, height: float) -> Array:
     """Return points (N, 2) at a height, (N, 3)."""
     return np.column_stack([points, np.full(len(points), height)])
-
-
-def nearest_place(scene: Scene, path: Path, certificate: Certificate) -> tuple[Array | None, str]:
-    """Return where a certified motion is nearest to what it must not touch, and the words there.
-
-    The place lies midway between body and solid; where the solid has no area here, such as one
-    that moves, it is the drive axle's.
-    """
-    if not math.isfinite(certificate.clearance):
-        return None, ""
-    text = f"{math.floor(1e3 * certificate.clearance + 1e-9)} mm"
-    if certificate.against:
-        text += f" to {certificate.against}"
-    pose = path(certificate.at[0])
-    found: list[tuple[float, Array]] = []
-    for layer in scene.vehicle.layers:
-        body = shapely.Polygon(transform(pose, layer.polygon))
-        for solid in scene.world.solids:
-            meets = solid.z[0] < layer.z[1] and layer.z[0] < solid.z[1]
-            if meets and solid.name == certificate.against:
-                line = shapely.shortest_line(body, solid.shape.buffer(solid.radius))
-                found.append((line.length, shapely.get_coordinates(line).mean(axis=0)))
-    place = min(found, key=lambda pair: pair[0])[1] if found else np.asarray(pose[:2])
-    return place, text

@@ -9,7 +9,8 @@ from viser import GuiApi
 
 from narrows.tracking.registry import tracker_names
 
-from .page_controllers import ALONE, ASSISTANT, BY_HAND, CONTROLLERS, driver_names
+from .page_controllers import ALONE, ASSISTANT, CONTROLLERS, driver_names
+from .page_driver import BY_HAND
 from .page_guard import Guard
 
 

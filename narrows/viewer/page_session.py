@@ -17,10 +17,12 @@ from narrows.tracking.registry import tracker_names
 
 from . import page_work
 from .control_colours import state_colour
+from .motion_shapes import nearest_place, spread, thinned
+from .page_camera import camera
 from .page_chair import ChairPanel
 from .page_controllers import CommandControllers, Protected, drive_controller
 from .page_drag import Dragging
-from .page_drawing import SceneDrawing, camera, nearest_place, spread, thinned
+from .page_drawing import SceneDrawing
 from .page_drive import DrivePanel
 from .page_guard import Guard
 from .page_jobs import Job, JobRunner

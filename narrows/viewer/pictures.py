@@ -33,17 +33,15 @@ from narrows.verification import Verification
 from . import palette
 from .charts import TrackingErrors, draw_clearance, draw_curvature, draw_speeds, draw_tracking
 from .least_clearance import draw_least
+from .motion_drawing import draw_motion, draw_planned, swept_area
 from .picture_files import check_picture_suffix
 from .scene_drawing import (
     door_label_areas,
     draw_ends,
-    draw_motion,
     draw_moving,
-    draw_planned,
     draw_scale,
     draw_world,
     solid_areas,
-    swept_area,
 )
 from .view_box import ViewBox, view_box
 

@@ -16,7 +16,9 @@ from narrows.scene import Scene
 
 from .control_colours import state_chip, state_colour
 from .layer_drawing import LayerDrawing, has_layer
-from .page_drawing import SceneDrawing, camera, nearest_place, spread, thinned
+from .motion_shapes import nearest_place, spread, thinned
+from .page_camera import camera
+from .page_drawing import SceneDrawing
 from .page_motion import Motion
 from .page_report import Report
 from .page_words import Words

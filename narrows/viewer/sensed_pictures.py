@@ -15,7 +15,8 @@ from narrows.simulation.sensed_plan import SensedPlan, View
 from narrows.world import Door
 
 from . import palette
-from .scene_drawing import draw_ends, draw_motion, draw_world
+from .motion_drawing import draw_motion
+from .scene_drawing import draw_ends, draw_world
 from .study_axes import new_figure, study_style
 from .view_box import ViewBox, view_box
 

@@ -8,7 +8,7 @@ import pytest
 from narrows.formats import read_trajectory
 from narrows.scene import load_scene
 from narrows.verification import verify
-from narrows.viewer.page_drawing import camera
+from narrows.viewer.page_camera import camera
 
 pytestmark = pytest.mark.slow
 

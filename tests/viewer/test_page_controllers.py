@@ -11,15 +11,14 @@ from narrows.interfaces import PlanStatus
 from narrows.scene import Goal, Scene, load_scene, load_vehicle
 from narrows.viewer.page_controllers import (
     ALONE,
-    BY_HAND,
     CONTROLLERS,
     ZONE,
     CommandControllers,
-    PageDriver,
     chair_key,
     drive_controller,
     driver_names,
 )
+from narrows.viewer.page_driver import BY_HAND, PageDriver
 from narrows.viewer.page_motion import driven_motion
 from narrows.viewer.page_report import Report
 from narrows.viewer.page_words import drive_words

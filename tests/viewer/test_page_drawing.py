@@ -7,13 +7,9 @@ import shapely
 from narrows.scene import load_scene
 from narrows.vehicle import Vehicle
 from narrows.viewer import palette
-from narrows.viewer.page_drawing import (
-    SceneDrawing,
-    camera,
-    rgb,
-    swept_floor,
-    thinned,
-)
+from narrows.viewer.motion_shapes import swept_floor, thinned
+from narrows.viewer.page_camera import camera
+from narrows.viewer.page_drawing import SceneDrawing, rgb
 from narrows.viewer.page_motion import Curve, Motion
 from narrows.viewer.page_plots import curve_data, limits
 from narrows.viewer.page_senses import region_outline, zone_outline

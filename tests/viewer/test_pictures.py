@@ -19,13 +19,14 @@ from narrows.scene import Goal, Scene
 from narrows.vehicle import Vehicle
 from narrows.verification import verify
 from narrows.viewer.charts import TrackingErrors
+from narrows.viewer.motion_drawing import swept_area
 from narrows.viewer.pictures import (
     drive_picture,
     plan_picture,
     save_picture,
     verification_picture,
 )
-from narrows.viewer.scene_drawing import outline_of, swept_area
+from narrows.viewer.scene_drawing import outline_of
 from narrows.viewer.view_box import view_box
 from narrows.world import Door, MovingSolid, Solid, World
 
