@@ -19,22 +19,19 @@ from ..se2 import Array, compose, exponential
 from ..vehicle import Vehicle
 from .driver_hand import LAG, Hand
 from .driver_route import Route
-from .driver_sight import Sight, free_travel
+from .driver_sight import Sight
+from .driver_steering import Steering
 from .driver_sticks import Stick
 from .driver_traits import Traits
 from .noise import GaussMarkov
+
+ARRIVED = 0.35
+"""Distance from the end of their way at which drivers are there and let go [m]."""
 
 _THINKS = 0.1  # s: a hand is told where to go ten times a second
 _MEMORIES = {"heading": 1.0, "judgement": 3.0}  # s
 _PIVOT, _PIVOTED = math.radians(65.0), math.radians(25.0)  # from, until: they turn on the spot
 _CHAIR = 0.1  # s: how late they know the chair to be
-ARRIVED = 0.35
-"""Distance from the end of their way at which drivers are there and let go [m]."""
-
-_STEP, _STEPS = 0.06, 24  # m, -: how finely and far they imagine a curve
-_SWERVES = np.array([0.0, 0.15, -0.15, 0.35, -0.35, 0.6, -0.6, 1.0, -1.0, 1.6, -1.6])  # 1/m
-_WANTED = 0.5  # m of free way wanted ahead at least; with less they look for another curve
-_TIGHT = 0.25  # m beside the chair from which on narrowness slows nobody
 _STILL = (0.04, 0.06)  # m/s, rad/s: slower is not moving
 
 
@@ -106,9 +103,7 @@ class ScriptedDriver:
             "judgement": GaussMarkov(traits.judgement, _MEMORIES["judgement"], rng),
         }
         self._hand = Hand(traits, rng)
-        low, high = vehicle.outline.min(axis=0), vehicle.outline.max(axis=0)
-        self._body = np.array([low[0], high[0], low[1], high[1]])
-        self._top, self._spin = vehicle.limits.speed, vehicle.limits.yaw_rate
+        self._steering = Steering(traits, vehicle)
         self._meant = (0.0, 0.0)  # m/s, rad/s: what the hand was told last
         self._mind = _Mind()
         self._thought = -math.inf
@@ -164,8 +159,9 @@ class ScriptedDriver:
         elif mind.doing == "turning" and abs(target) < _PIVOTED:
             mind.doing = "driving"
         if mind.doing == "turning":
-            return self._turn(points, target)
-        return self._drive(points, self._curve(soon, heading_error), target)
+            mind.side, rate = self._steering.turn(points, target, mind.side)
+            return 0.0, mind.side * rate
+        return self._steering.drive(points, self._curve(soon, heading_error), target)
 
     def _advance(self, pose: Array) -> None:
         """Find out how far along the way the chair is, and whether it has arrived."""
@@ -222,66 +218,15 @@ class ScriptedDriver:
             pose = compose(pose, exponential([moving[0] * half, 0.0, moving[1] * half]))
         return pose
 
-    def _grown(self, points: Array, margin: float) -> tuple[Array, Array]:
-        """Return the body with what they want around it, and the points not yet within that."""
-        body = self._body + margin * np.array([-1.0, 1.0, -1.0, 1.0])
-        x, y = points[:, 0], points[:, 1]
-        inside = (x > body[0]) & (x < body[1]) & (y > body[2]) & (y < body[3])
-        return body, points[~inside]
-
-    def _turn(self, points: Array, target: float) -> tuple[float, float]:
-        """Turn on the spot towards a direction, the other way round if this one is blocked."""
-        if self._mind.side == 0.0:
-            self._mind.side = math.copysign(1.0, target)
-        side = self._mind.side
-        body, points = self._grown(points, 0.0)
-        free = free_travel(points, body, np.array([[0.0, side], [0.0, -side]]), 0.06, 30)
-        if free[0] < 0.1 and free[1] > 0.4:
-            self._mind.side = side = -side
-        rate = min(1.0, 0.25 + abs(target) / 1.2) * 0.8 * self._traits.pace
-        return 0.0, side * rate * self._spin
-
-    def _drive(self, points: Array, wanted: float, target: float) -> tuple[float, float]:
-        """Go on along the way, or along the nearest curve that is free as far as they judge."""
-        traits = self._traits
-        curves = np.clip(wanted + _SWERVES, -3.0, 3.0)
-        body, clear = self._grown(points, 0.02)
-        twists = np.column_stack([np.ones_like(curves), curves])
-        free = free_travel(clear, body, twists, _STEP, _STEPS)
-        short = np.maximum(_WANTED - free, 0.0)
-        best = int(np.argmin(3.0 * short + 0.35 * np.abs(_SWERVES)))
-        curve, ahead = float(curves[best]), float(free[best])
-        speed = min(
-            traits.pace * self._top * self._narrowness(points),
-            0.7 / max(abs(curve), 0.1),
-            max(ahead - 0.05, 0.0) / traits.headway,
-        )
-        if ahead < 0.12:  # in front of something: turn towards the way, do not push
-            side = math.copysign(1.0, target)
-            return 0.0, 0.35 * side * self._spin if abs(target) > math.radians(8.0) else 0.0
-        return speed, traits.over_steer * curve * speed
-
-    def _narrowness(self, points: Array) -> float:
-        """Return the share of their pace they dare between what is beside the way."""
-        x, y = points[:, 0], np.abs(points[:, 1]) - self._body[3]
-        beside = (x > self._body[0]) & (x < self._body[1] + 0.6) & (y > -0.1)
-        gap = float(y[beside].min(initial=_TIGHT))
-        return 0.5 + 0.5 * max(gap, 0.0) / _TIGHT
-
     def _back_off(
         self, time: float, pose: Array, motion: Array, aside: float
     ) -> tuple[float, float]:
-        """Drive straight back, or as straight as is free, looking over the shoulder; try again."""
+        """Back off for a while, looking over the shoulder; then try again."""
         mind = self._mind
         mind.back_left -= abs(float(motion[0])) * _THINKS
         points = self._sight.look(time, pose, behind=True) + np.array([0.0, aside])
-        curves = np.clip(_SWERVES, -1.5, 1.5)
-        body, clear = self._grown(points, 0.02)
-        twists = np.column_stack([-np.ones_like(curves), -curves])
-        free = free_travel(clear, body, twists, _STEP, 12)
-        best = int(np.argmin(3.0 * np.maximum(0.5 - free, 0.0) + 0.35 * np.abs(_SWERVES)))
-        if mind.back_left <= 0.0 or time > mind.back_until or free[best] < 0.1:
+        back = self._steering.back(points)
+        if mind.back_left <= 0.0 or time > mind.back_until or back is None:
             mind.doing = "driving"
             return 0.0, 0.0
-        speed = 0.5 * self._traits.pace * self._top * min(1.0, free[best] / 0.5)
-        return -speed, -speed * float(curves[best])
+        return back
