@@ -7,20 +7,10 @@ from dataclasses import dataclass
 
 from . import assistant_texts as texts
 from .assistant_drives import HOSTILE
+from .assistant_more_tables import doors_table, found_table, people_table, troubles_table
 from .assistant_paper import PRINTED_DISTANCE_III, column, mean
 from .assistant_people import WALKS
-from .assistant_tables import (
-    doors_table,
-    found_table,
-    hits_of,
-    means_table,
-    numbers,
-    paper_three,
-    people_table,
-    table_three,
-    tests_table,
-    troubles_table,
-)
+from .assistant_tables import hits_of, means_table, numbers, paper_three, table_three, tests_table
 from .statistics import wilson_interval
 from .table import Table
 

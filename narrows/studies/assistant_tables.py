@@ -1,4 +1,4 @@
-"""The driving-assistant study's tables: Table III beside the paper's, tests, doors, faults."""
+"""The driving-assistant study's tables of the course: Table III beside the paper's, and tests."""
 
 from __future__ import annotations
 
@@ -7,9 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from .assistant_doors import HELP
 from .assistant_drives import HOSTILE
-from .assistant_faults import TROUBLES
 from .assistant_paper import (
     ABORTED,
     CONDITIONS,
@@ -20,7 +18,6 @@ from .assistant_paper import (
     mean_speed,
     paired,
 )
-from .assistant_people import GAPS, WALKS
 from .report import markdown_table
 from .statistics import mean_interval, wilson_interval
 from .table import Row, Table
@@ -107,7 +104,7 @@ def means_table(table: Table, seed: int) -> str:
             "paper_speed": mean_speed(run),
         }
         for which, (letter, name, _) in enumerate(_FIGURES):
-            line[letter] = _mean(numbers(rows, name), seed)
+            line[letter] = mean_of(numbers(rows, name), seed)
             line[f"paper_{letter}"] = mean(column(run, which))
         lines.append(line)
     columns = {
@@ -126,7 +123,8 @@ def means_table(table: Table, seed: int) -> str:
     return markdown_table(lines, columns, formats)
 
 
-def _mean(values: Sequence[float], seed: int) -> str:
+def mean_of(values: Sequence[float], seed: int) -> str:
+    """Return a mean with its 95 % interval by bootstrap, for people."""
     if len(values) < 2:
         return f"{values[0]:.4g}" if values else "–"
     return str(mean_interval(values, rng=np.random.default_rng(seed)))
@@ -175,113 +173,3 @@ def hits_of(table: Table, runs: Sequence[str]) -> list[int]:
     rows = [row for run in runs for row in of_run(table, run)]
     hits = sum(1 for row in rows if row["collisions"])
     return [hits, len(rows) - hits]
-
-
-def doors_table(table: Table, seed: int) -> str:
-    """Return what came of the doors, by how they were driven."""
-    lines = []
-    for name in HELP:
-        rows = [row for row in table.done.rows if row["help"] == name]
-        if not rows:
-            continue
-        through = sum(1 for row in rows if row["succeeded"])
-        rate = wilson_interval(through, len(rows))
-        done = [row for row in rows if row["succeeded"]]
-        lines.append(
-            {
-                "help": name,
-                "success": f"{through} of {len(rows)}, {rate.low:.0%} to {rate.high:.0%}",
-                "touched": sum(1 for row in rows if row["collisions"]),
-                "time": _mean(numbers(done, "time_s"), seed),
-                "distance": _mean(numbers(done, "distance_m"), seed),
-                "clearance": float(np.median(numbers(done, "min_clearance_mm"))) if done else None,
-                "share": mean(numbers(rows, "share_helped") or [0.0]),
-            }
-        )
-    columns = {
-        "help": "driven",
-        "success": "through without touching",
-        "touched": "touched",
-        "time": "time [s]",
-        "distance": "distance [m]",
-        "clearance": "median least clearance [mm]",
-        "share": "share of the time helped",
-    }
-    return markdown_table(lines, columns, {"clearance": ".0f", "share": ".0%"})
-
-
-def troubles_table(table: Table) -> str:
-    """Return what came of faults."""
-    lines = []
-    for name in TROUBLES:
-        rows = [row for row in table.done.rows if row["trouble"] == name]
-        if not rows:
-            continue
-        lines.append(
-            {
-                "trouble": name,
-                "drives": len(rows),
-                "arrived": sum(1 for row in rows if row["arrived"]),
-                "touched": sum(1 for row in rows if row["collisions"]),
-                "time": mean(numbers(rows, "time_s")),
-                "clearance": min(numbers(rows, "min_clearance_mm")),
-                "blind": max(numbers(rows, "blind_m")),
-                "stands": sum(1 for row in rows if row["stands_at_end"]),
-            }
-        )
-    columns = {
-        "trouble": "what is wrong",
-        "drives": "drives",
-        "arrived": "arrived",
-        "touched": "touched",
-        "time": "mean time [s]",
-        "clearance": "least clearance [mm]",
-        "blind": "longest way unseeing [m]",
-        "stands": "stood at the end",
-    }
-    return markdown_table(lines, columns, {"time": ".0f", "clearance": ".0f", "blind": ".2f"})
-
-
-def people_table(table: Table) -> str:
-    """Return what came of people in the way: touched while moving of all, by distance."""
-    lines = []
-    for walk in WALKS:
-        line: dict[str, Any] = {"walk": walk}
-        for gap in GAPS:
-            rows = [r for r in table.done.rows if r["walk"] == walk and r["gap_m"] == gap]
-            hits = sum(1 for row in rows if row["collisions"])
-            line[f"gap{gap}"] = f"{hits} of {len(rows)}"
-        lines.append(line)
-    columns = {"walk": "somebody"} | {f"gap{gap}": f"{gap:g} m ahead" for gap in GAPS}
-    return markdown_table(lines, columns)
-
-
-def found_table(table: Table) -> str:
-    """Return how well the drives were found in the map, by test run."""
-    lines = []
-    for run in RUNS:
-        rows = of_run(table, run)
-        if not rows:
-            continue
-        lines.append(
-            {
-                "run": run,
-                "drives": len(rows),
-                "mean": mean(numbers(rows, "mean_mm")),
-                "p95": max(numbers(rows, "p95_mm")),
-                "max": max(numbers(rows, "max_mm")),
-                "heading": mean(numbers(rows, "heading_mean_deg")),
-                "odometry": mean(numbers(rows, "odometry_mm")),
-            }
-        )
-    columns = {
-        "run": "run",
-        "drives": "drives",
-        "mean": "mean error [mm]",
-        "p95": "95 % of the worst drive [mm]",
-        "max": "greatest [mm]",
-        "heading": "mean heading error [deg]",
-        "odometry": "odometry alone, at the end [mm]",
-    }
-    formats = {"mean": ".0f", "p95": ".0f", "max": ".0f", "heading": ".2f", "odometry": ".0f"}
-    return markdown_table(lines, columns, formats)

@@ -10,11 +10,19 @@ from narrows.errors import StudyError
 from narrows.reactive.safety_regions import RegionOptions
 from narrows.scene import load_scene
 from narrows.simulation.contacts import certify_drive
+from narrows.simulation.driver_route import Route
 from narrows.simulation.driver_traits import DRIVERS
+from narrows.simulation.fitted_sensors import Faults
 from narrows.simulation.judge import judge
 from narrows.simulation.record import Record
-from narrows.studies import assistant, assistant_drives, assistant_faults, assistant_people
-from narrows.studies import assistant_tables as tables
+from narrows.studies import (
+    assistant,
+    assistant_drives,
+    assistant_faults,
+    assistant_localisation,
+    assistant_people,
+)
+from narrows.studies import assistant_more_tables as tables
 from narrows.studies.assistant_course import BACK, THERE, course_routes, course_scene
 from narrows.studies.assistant_doors import door_scene
 from narrows.studies.assistant_drives import Conditions, drive_with, seat_driver
@@ -140,15 +148,22 @@ def test_alone_our_drivers_drive_as_fast_as_the_paper_s_and_touch_about_as_often
     assert 1 <= hits <= 10
 
 
+def short_routes():
+    """Return the way through the first door only, there and no further."""
+    return (Route(THERE[:4], (0.75, 0.4)),)
+
+
 @pytest.mark.slow
 def test_the_study_runs_resumes_and_reports(tmp_path, monkeypatch):
     monkeypatch.setattr(assistant_drives, "region_options", lambda: COARSE)
-    monkeypatch.setattr(assistant_drives, "_HOSTILE_TIME", 10.0)
-    monkeypatch.setattr(assistant, "GAPS", (1.0,))
-    monkeypatch.setattr(tables, "GAPS", (1.0,))
-    few = {name: assistant_faults.TROUBLES[name] for name in ("scanners dead after 25 s",)}
+    monkeypatch.setattr(assistant_drives, "_HOSTILE_TIME", 8.0)
+    for module in (assistant_drives, assistant_faults, assistant_localisation):
+        monkeypatch.setattr(module, "course_routes", short_routes)
+    for module in (assistant, tables):
+        monkeypatch.setattr(module, "GAPS", (1.0,))
+    dead = Conditions(faults=Faults(silent=((8.0, math.inf),)), time_limit=14.0)
     for module in (assistant, tables, assistant_faults):
-        monkeypatch.setattr(module, "TROUBLES", few)
+        monkeypatch.setattr(module, "TROUBLES", {"scanners dead after 8 s": dead})
     monkeypatch.setattr(assistant, "DOOR_DRIVERS", ("steady",))
     small = {
         "seeds": 1,
@@ -165,8 +180,10 @@ def test_the_study_runs_resumes_and_reports(tmp_path, monkeypatch):
     assisted = [row for row in course.rows if row["assisted"]]
     assert len(assisted) == 4
     assert not any(row["collisions"] for row in assisted)
+    assert all(row["arrived"] for row in assisted if row["driver"] == "hasty")
     dead = read_csv(tmp_path / "faults.csv", ["trouble", "driver"]).rows[0]
     assert dead["stands_at_end"] == 1
+    assert not dead["arrived"]
     assert float(dead["blind_m"]) < 0.5  # v t + v^2 / 2 a at 0.8 m/s and 1 m/s^2
     found = read_csv(tmp_path / "tracks.csv", ["driver", "device", "assisted"])
     assert found.column("max_mm").max() < 60.0  # three cells
