@@ -33,16 +33,27 @@ def xeno_regions(xeno):
 
 @pytest.fixture(scope="session")
 def simulated(xeno, xeno_regions):
-    """What tests of drives share: `drive`, `outlines`, `box`, `gap`, `assistant(options, ...)`."""
+    """The Xeno on its drives, see `chair_on_drives`."""
+    return chair_on_drives(xeno, xeno_regions)
+
+
+@pytest.fixture(scope="session")
+def simulate_chair():
+    """Return what drives any chair, with regions computed for it, see `chair_on_drives`."""
+    return lambda chair: chair_on_drives(chair, SafetyRegions.compute(chair, COARSE))
+
+
+def chair_on_drives(chair, regions):
+    """Return what tests of drives share: `drive`, `outlines`, `box`, `gap`, `assistant(...)`."""
 
     def assistant(options=None, **parts):
-        return Assistant(xeno, xeno_regions, options, **parts)
+        return Assistant(chair, regions, options, **parts)
 
-    def drive_xeno(driver, points, *, assistant, **rest):
-        return drive(xeno, assistant, points, driver, **rest)
+    def drive_chair(driver, points, *, assistant, **rest):
+        return drive(chair, assistant, points, driver, **rest)
 
     return SimpleNamespace(
-        assistant=assistant, drive=drive_xeno, outlines=outlines, box=box, gap=gap
+        assistant=assistant, drive=drive_chair, outlines=outlines, box=box, gap=gap
     )
 
 
