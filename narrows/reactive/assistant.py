@@ -18,7 +18,8 @@ from .assistant_options import AssistantOptions, AssistantState
 from .assistant_prediction import Prediction
 from .assistant_view import View
 from .assistant_wish import STILL, Wish, bounded
-from .door_blend import DoorAhead, DoorBlend
+from .door_ahead import DoorAhead
+from .door_blend import DoorBlend
 from .safety_regions import SafetyRegions, top_norm
 from .smooth_motion import MotionLimits, Smooth, SmoothMotion
 

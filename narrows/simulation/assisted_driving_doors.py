@@ -14,7 +14,7 @@ from ..interfaces import PlanStatus
 from ..perception.openings import find_doors
 from ..perception.ranges import LaserScan
 from ..planners import plan
-from ..reactive.door_blend import DoorAhead
+from ..reactive.door_ahead import DoorAhead
 from ..scene import Goal, Scene
 from ..se2 import Array, compose, invert, transform
 from ..vehicle import Vehicle

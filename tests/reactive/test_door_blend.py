@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from narrows.errors import ShapeError
-from narrows.reactive.door_blend import DoorAhead, DoorBlend, DoorBlendOptions
+from narrows.reactive.door_ahead import DoorAhead
+from narrows.reactive.door_blend import DoorBlend, DoorBlendOptions
 from narrows.se2 import compose, invert, transform
 
 WIDTH = 0.80

@@ -10,7 +10,7 @@ from narrows.errors import InputError
 from narrows.interfaces import Percept
 from narrows.reactive.assistant import Assistant
 from narrows.reactive.assistant_options import AssistantOptions
-from narrows.reactive.door_blend import DoorAhead
+from narrows.reactive.door_ahead import DoorAhead
 from narrows.reactive.safety_regions import RegionOptions, SafetyRegions
 from narrows.reactive.smooth_motion import MotionLimits, SmoothMotion
 from narrows.scene import Goal, Scene, load_vehicle
