@@ -96,18 +96,22 @@ def plan_command(
 @narrows.command(
     "passable",
     short_help="Decide whether any motion gets through.",
-    epilog=_examples("narrows passable examples/scenes/door.yaml"),
+    epilog=_examples(
+        "narrows passable examples/scenes/door.yaml",
+        "narrows passable examples/scenes/too-narrow.yaml --picture verdict.png",
+    ),
 )
 @_SCENE
+@_PICTURE
 @_JSON
-def passable_command(scene: str, as_json: bool) -> Outcome:
+def passable_command(scene: str, picture: str | None, as_json: bool) -> Outcome:
     """Decide whether any motion of the chair gets from start to goal.
 
     If none does, this says how many millimetres are missing, and where.
     """
     from .commands.passable import run_passable
 
-    return run_passable(scene)
+    return run_passable(scene, picture=picture)
 
 
 @narrows.command(

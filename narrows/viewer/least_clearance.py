@@ -47,8 +47,26 @@ def draw_least(
     at = pose[:2] if pair is None else pair.mean(axis=0)
     if pair is not None:
         axes.plot(*pair.T, color=palette.LEAST, linewidth=2.0, zorder=6)
+    draw_label(axes, at, _text(certificate), crowded, labels)
+
+
+def draw_label(
+    axes: Axes,
+    at: Array,
+    text: str,
+    crowded: Sequence[shapely.Geometry],
+    labels: list[shapely.Polygon],
+) -> None:
+    """Mark a point by a cross, and say what is there where that covers least.
+
+    Args:
+        axes: The axes, their limits set and laid out.
+        at: The point in the world, shape (2,), [m].
+        text: What is there, one line.
+        crowded: Areas the label better leaves free, [m].
+        labels: Areas of other labels, which its arrow leaves free too, [m].
+    """
     axes.plot(*at, "x", color=palette.LEAST, markersize=9, markeredgewidth=2.4, zorder=6)
-    text = _text(certificate)
     axes.annotate(
         text,
         (float(at[0]), float(at[1])),

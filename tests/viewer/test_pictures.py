@@ -14,8 +14,9 @@ from narrows.errors import InputError
 from narrows.interfaces import Plan, PlanStatus
 from narrows.path import Path
 from narrows.planners.finish import finished_plan
+from narrows.planners.passage import passable
 from narrows.planners.timing import time_path
-from narrows.scene import Goal, Scene
+from narrows.scene import Goal, Scene, read_scene
 from narrows.vehicle import Vehicle
 from narrows.verification import verify
 from narrows.viewer.charts import TrackingErrors
@@ -27,6 +28,7 @@ from narrows.viewer.pictures import (
     verification_picture,
 )
 from narrows.viewer.scene_drawing import outline_of
+from narrows.viewer.verdict_pictures import verdict_picture
 from narrows.viewer.view_box import view_box
 from narrows.world import Door, MovingSolid, Solid, World
 
@@ -109,6 +111,21 @@ def test_a_scene_without_a_plan_shows_the_reason():
     assert "start" in shown
     assert "goal" in shown
     assert "swept" not in shown
+
+
+@pytest.mark.parametrize(
+    ("width", "shown", "found"),
+    [(0.80, "140 mm to spare", "a way for the body"), (0.60, "60 mm missing", "middle can be")],
+)
+def test_a_verdict_shows_the_narrowest_place_and_what_was_found(width, shown, found):
+    text = f"{{vehicle: adaag, doorway: {{corridor_width: 1.6, door_width: {width}}}}}"
+    scene = read_scene(text)
+    verdict = passable(scene)
+    figure = verdict_picture(scene, verdict)
+    assert shown in texts(figure)  # the chair is 0.66 m wide
+    assert found in texts(figure)
+    cross = next(line for line in figure.axes[0].get_lines() if line.get_marker() == "x")
+    assert np.array(cross.get_data()).ravel() == pytest.approx(verdict.narrowest)
 
 
 def test_every_kind_of_thing_is_in_the_legend():
