@@ -43,7 +43,7 @@ def verdict_picture(scene: Scene, verdict: Verdict) -> Figure:
         scene: The scene asked about.
         verdict: The answer.
     """
-    view = view_box(scene, [])
+    view = view_box(scene, [], verdict.witness)
     aspect = (view[3] - view[1]) / (view[2] - view[0])
     with matplotlib.rc_context(study_style()):
         figure = new_figure(12.0, min(max(10.8 * aspect, 3.0), 9.0) + 1.6)

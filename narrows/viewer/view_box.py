@@ -17,12 +17,17 @@ _SHAPE = 0.6  # least ratio of the sides of a cropped view
 _CROPPED = 4.0  # a world more than so many times the motion's surroundings is cropped
 
 
-def view_box(scene: Scene, paths: list[Path]) -> ViewBox:
+def view_box(scene: Scene, paths: list[Path], among: Array | None = None) -> ViewBox:
     """Return x_min, y_min, x_max, y_max of what to show [m].
 
     The whole world where it is small; else the surroundings of start, goal and the motions.
+
+    Args:
+        scene: The scene.
+        paths: Motions to show.
+        among: Further poses to show, shape (N, 3).
     """
-    poses = [scene.start[None], scene.goal.pose[None]]
+    poses = [scene.start[None], scene.goal.pose[None], *([] if among is None else [among])]
     poses += [path(np.linspace(0.0, path.span, 200)) for path in paths]
     corners = transform(np.concatenate(poses), scene.vehicle.outline).reshape(-1, 2)
     low, high = corners.min(axis=0), corners.max(axis=0)
