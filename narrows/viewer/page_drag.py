@@ -15,13 +15,13 @@ from .page_drawing import SceneDrawing, turn
 from .page_places import Changes, moved_thing, pose_changes
 from .page_state import SceneState
 
+Apply = Callable[[Changes], None]
+
 
 class Dragging:
     """Lets handles be dragged on the floor; what they are dragged to becomes a change."""
 
-    def __init__(
-        self, client: ClientHandle, drawing: SceneDrawing, apply: Callable[[Changes], None]
-    ) -> None:
+    def __init__(self, client: ClientHandle, drawing: SceneDrawing, apply: Apply) -> None:
         """Keep where changes go.
 
         Args:
