@@ -22,7 +22,7 @@ import numpy as np
 from ..nlp import Problem, Solver, SolverOptions
 from ..se2 import Array
 from ..solution import Solution
-from .bezier_segment import direction
+from .bezier_legs import direction
 from .body_contacts import SLOT_SIZE, SLOTS, Contacts
 from .smoothness import Smoothness, cost_symbol, curvature_symbols
 

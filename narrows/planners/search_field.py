@@ -14,8 +14,8 @@ from ..vehicle import Vehicle
 from ..world import World
 from .search_blocking import block
 from .search_collision import Solids
-from .search_kernel import Field
 from .search_queue import distances
+from .search_tables import Field
 
 OCTILE = 1.0 / math.cos(math.pi / 8.0)
 """How much longer than straight a way over an 8-connected grid can be."""

@@ -14,8 +14,9 @@ from ..clearance import clearance_at
 from ..scene import Scene
 from ..se2 import Array
 from .search_collision import Solids, advance
-from .search_kernel import EXHAUSTED, FOUND, Room, Rules, Tree, grow
+from .search_kernel import EXHAUSTED, FOUND, grow
 from .search_options import Rung, SearchOptions
+from .search_tables import Room, Rules, Tree
 from .search_terrain import terrain_of
 
 _SPAN = 0.2  # m: longest piece of a connection checked at once

@@ -12,7 +12,7 @@ from ..scene import Scene
 from ..se2 import Array
 from .search_collision import Solids
 from .search_field import blocked_cells, pack_solids, way_field
-from .search_kernel import Field
+from .search_tables import Field
 
 _FIELD_CELL, _MOST_CELLS = 0.05, 250_000
 _CANDIDATE_CELL = 0.2  # m

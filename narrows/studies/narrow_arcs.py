@@ -12,7 +12,7 @@ import numpy as np
 from ..files import write_whole
 from ..planners.arc_geometry import contact_radii, door_outer_radius, door_radius, paper_turn
 from ..planners.corridor_turn import Corner
-from ..planners.door_arc import door_needed
+from ..planners.door_space import door_needed
 from ..se2 import Array
 from .narrow_arcs_cases import (
     ARCS,

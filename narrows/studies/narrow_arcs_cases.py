@@ -28,7 +28,7 @@ from ..planners.corridor_turn import (
     best_arc,
     least_corridor,
 )
-from ..planners.door_arc import least_corridor_for_door
+from ..planners.door_space import least_corridor_for_door
 from ..scene import Goal, Scene
 from ..se2 import Array
 from ..short_forms import Corridor

@@ -11,7 +11,7 @@ import numpy as np
 from ..planners.arc_geometry import paper_turn
 from ..planners.arc_path import CornerFrame, path_of
 from ..planners.corridor_turn import Corner, uniform_clearance
-from ..planners.door_arc import least_corridor_for_door
+from ..planners.door_space import least_corridor_for_door
 from ..se2 import Array
 from ..short_forms import Corridor
 from ..world import World

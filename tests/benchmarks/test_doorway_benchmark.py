@@ -13,10 +13,10 @@ from pytest_benchmark.fixture import BenchmarkFixture
 
 from narrows.clearance import certify
 from narrows.nlp import Problem, Solver, SolverOptions
+from narrows.planners.bezier_legs import leg_bounds
 from narrows.planners.bezier_segment import (
     Obstacle,
     SegmentOptions,
-    leg_bounds,
     run_segment,
     segment_solver,
     solve_segment,

@@ -12,7 +12,8 @@ from narrows.planners.arc_geometry import ArcBody
 from narrows.planners.arcs import ArcPlanner, arc_guess
 from narrows.planners.corner_finding import find_turn
 from narrows.planners.corridor_turn import Corner, best_arc, missing_width
-from narrows.planners.door_arc import DoorTurn, least_corridor_for_door
+from narrows.planners.door_arc import DoorTurn
+from narrows.planners.door_space import least_corridor_for_door
 from narrows.scene import Goal, Scene, load_vehicle, read_scene
 from narrows.se2 import rotate
 from narrows.short_forms import Corridor, Doorway

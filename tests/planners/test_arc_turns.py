@@ -31,11 +31,10 @@ from narrows.planners.door_arc import (
     balanced_side,
     best_door_arc,
     door_clearance,
-    door_needed,
-    least_corridor_for_door,
     missing_corridor,
     missing_door,
 )
+from narrows.planners.door_space import door_needed, least_corridor_for_door
 from narrows.short_forms import Corridor
 from narrows.vehicle import Vehicle
 from narrows.world import Solid, World

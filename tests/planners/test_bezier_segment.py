@@ -9,15 +9,8 @@ from hypothesis import strategies as st
 
 from narrows import bezier
 from narrows.nlp import SolverOptions
-from narrows.planners.bezier_segment import (
-    LegBounds,
-    Obstacle,
-    SegmentOptions,
-    control_points,
-    leg_bounds,
-    run_segment,
-    solve_segment,
-)
+from narrows.planners.bezier_legs import LegBounds, control_points, leg_bounds
+from narrows.planners.bezier_segment import Obstacle, SegmentOptions, run_segment, solve_segment
 from narrows.planners.smoothness import Smoothness, cost
 
 START, DOOR, TARGET_A, TARGET_B = (0.1, 1.3), (1.6, 1.8), (0.0, 3.5), (3.4, 3.5)
