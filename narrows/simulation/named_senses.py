@@ -20,6 +20,7 @@ from .depth_sensor import DepthSensor, kinect
 from .fitted_sensors import Faults, FittedCamera, FittedLaser, Schedule, Spell
 from .laser import on_corners
 from .senses import IdealOptions, IdealSenses, Senses
+from .vacated import Vacated
 
 CAMERA = Mounting(height=1.0, tilt=math.radians(25.0))
 """Where the depth camera sits: above the drive axle, looking down ahead."""
@@ -28,6 +29,7 @@ REACH = 3.7
 """Distance from the body's origin up to which all of them tell of obstacles [m]: as far as the map
 of the sensors does in every direction. A guard must be told, see `GuardOptions.reach`."""
 
+_BAND = (0.1, 0.2)  # m: that of the map in which the scanners look
 _PIXELS = (320, 240)
 _RATE, _LATENCY = 10.0, 0.06  # Hz, s: of the camera
 _REACH = 2.5  # m: returns from further away err by more than a cell of the map
@@ -62,7 +64,7 @@ class Silenced:
 
 def lasers_and_camera(
     scene: Scene, *, faults: Faults | None = None, rng: np.random.Generator | None = None
-) -> ChairSenses:
+) -> Vacated:
     """Return scanners on two corners and a depth camera, and the map that remembers.
 
     The scanners see all around at 0.12 m, 12.5 times a second; the camera sees what hangs and
@@ -81,7 +83,8 @@ def lasers_and_camera(
     fitted = [FittedLaser(scanner, Schedule(faults=found)) for scanner in scanners]
     schedule = Schedule(rate=_RATE, latency=_LATENCY, faults=found)
     seeing = FittedCamera(DepthSensor(camera), ObstacleFinder(camera, _GRID), schedule)
-    return ChairSenses(scene, [*fitted, seeing], reach=REACH, rng=rng)
+    senses = ChairSenses(scene, [*fitted, seeing], reach=REACH, rng=rng)
+    return Vacated(senses, camera, _BAND, seeing.name)
 
 
 def _ideal(scene: Scene, silent: tuple[Spell, ...]) -> Senses:
