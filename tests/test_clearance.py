@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 import shapely
 
-from narrows import clearance
 from narrows.bezier_section import BezierSection
 from narrows.clearance import Certificate, certify, clearance_at
+from narrows.clearance_search import MotionSearch
 from narrows.errors import ShapeError
 from narrows.path import Path
 from narrows.profile import Profile
@@ -468,7 +468,7 @@ def weaving_beside(gap: float) -> tuple[World, Vehicle, Path]:
 def examined(world: World, path: Path, monkeypatch: pytest.MonkeyPatch) -> int:
     """Return how many pairs of interval and piece a certificate looks at."""
     count = 0
-    examine = clearance._Search._examine
+    examine = MotionSearch._examine
 
     def counted(self, body, pieces, intervals, enclosure, row, piece):
         nonlocal count
@@ -476,7 +476,7 @@ def examined(world: World, path: Path, monkeypatch: pytest.MonkeyPatch) -> int:
         return examine(self, body, pieces, intervals, enclosure, row, piece)
 
     with monkeypatch.context() as patch:
-        patch.setattr(clearance._Search, "_examine", counted)
+        patch.setattr(MotionSearch, "_examine", counted)
         certify(world, CHAIR, path)
     return count
 

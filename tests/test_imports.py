@@ -23,6 +23,7 @@ LEVELS = [
         "trajectory",
         "motion_intervals",
         "moving_clearance",
+        "clearance_search",
         "clearance",
         "limit_check",
         "solution",

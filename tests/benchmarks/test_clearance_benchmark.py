@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
-from narrows import clearance
 from narrows.bezier_section import BezierSection
 from narrows.clearance import Certificate, certify, clearance_at
+from narrows.clearance_search import MotionSearch
 from narrows.interfaces import Plan
 from narrows.path import Path
 from narrows.planners.manoeuvre import ManoeuvrePlanner
@@ -68,13 +68,13 @@ def test_certify_fifteen_metres_thirty_millimetres_beside_posts(
 
 def test_the_pairs_looked_at_along_the_bend_grow_with_its_length(monkeypatch) -> None:
     counts = []
-    examine = clearance._Search._examine
+    examine = MotionSearch._examine
 
     def counted(self, *args):
         counts[-1] += len(args[-1])
         return examine(self, *args)
 
-    monkeypatch.setattr(clearance._Search, "_examine", counted)
+    monkeypatch.setattr(MotionSearch, "_examine", counted)
     for length in (4.0, 16.0):
         counts.append(0)
         certify(*(lambda world, path: (world, CHAIR, path))(*rounding(length)))
