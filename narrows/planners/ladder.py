@@ -172,15 +172,15 @@ class _Ladder:
     def _searched(self) -> Iterable[tuple[str, Path]]:
         """Yield rough manoeuvres from searches, those first that can best be made smooth."""
         with clock.loading():
-            from .search import SearchPlanner
+            from .search import SearchPlanner, are_distinct
 
         planner = SearchPlanner()
         for search, vehicle in self._searches():
-            for k, found in enumerate(
-                planner.search_many(replace(self.scene, vehicle=vehicle), _SEARCHED)
-            ):
-                self.rough.append(found.path)
-                yield f"manoeuvre {k + 1} of the {search}", found.path
+            scene = replace(self.scene, vehicle=vehicle)
+            for k, found in enumerate(planner.search_many(scene, _SEARCHED)):
+                if all(are_distinct(found.path, other) for other in self.rough):
+                    self.rough.append(found.path)
+                    yield f"manoeuvre {k + 1} of the {search}", found.path
 
     def _searches(self) -> Iterable[tuple[str, Vehicle]]:
         """Yield chairs to search with: rolling forward, reversing too, turning on the spot too."""

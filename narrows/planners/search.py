@@ -102,8 +102,8 @@ class SearchPlanner:
         """
         return self._search(scene, at_rest=False)
 
-    def search_many(self, scene: Scene, count: int) -> tuple[Manoeuvre, ...]:
-        """Return up to `count` distinct manoeuvres, the one of `search` first.
+    def search_many(self, scene: Scene, count: int) -> Iterator[Manoeuvre]:
+        """Yield up to `count` distinct manoeuvres, the one of `search` first, each when asked for.
 
         Distinct: another sequence of directions, or somewhere more than 0.25 m or 20 degrees
         apart. They come from growing from either end, with and without reversing, for more or
@@ -115,16 +115,17 @@ class SearchPlanner:
         """
         first = self.search(scene).manoeuvre
         if first is None or count < 1:
-            return ()
+            return
+        yield first
         found = [first]
         for options, rung in self._variants(scene, first.clearance):
             if len(found) >= count:
-                break
+                return
             outcome = _ground(scene, options).search(rung, rung.budget)
             manoeuvre = _manoeuvre(scene, outcome, rung, at_rest=False)
-            if manoeuvre and all(_are_distinct(manoeuvre.path, other.path) for other in found):
+            if manoeuvre and all(are_distinct(manoeuvre.path, other.path) for other in found):
                 found.append(manoeuvre)
-        return tuple(found)
+                yield manoeuvre
 
     def _search(self, scene: Scene, *, at_rest: bool) -> SearchResult:
         options = self.options
@@ -248,7 +249,7 @@ def _blocked_end(scene: Scene, least: float) -> str:
     return ""
 
 
-def _are_distinct(first: Path, second: Path) -> bool:
+def are_distinct(first: Path, second: Path) -> bool:
     """Return whether two paths change direction differently or are somewhere far apart."""
     if first.directions.tolist() != second.directions.tolist():
         return True

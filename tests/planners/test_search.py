@@ -133,7 +133,7 @@ def test_the_same_search_gives_the_same_path():
 def test_several_manoeuvres_are_distinct_and_clear():
     post = Solid.circle(1.5, 0.0, 0.3, name="post")
     case = scene([-0.5, 0, 0], [4, 0, 0], post, bounds=(-2, -2.5, 6, 2.5))
-    found = SearchPlanner().search_many(case, 3)
+    found = list(SearchPlanner().search_many(case, 3))
     assert len(found) >= 2
     for manoeuvre in found:
         check(case, manoeuvre.path)
@@ -143,7 +143,7 @@ def test_several_manoeuvres_are_distinct_and_clear():
 
 
 def test_asking_for_no_manoeuvre_gives_none():
-    assert SearchPlanner().search_many(doorway(0.9), 0) == ()
+    assert list(SearchPlanner().search_many(doorway(0.9), 0)) == []
 
 
 def test_the_estimate_never_exceeds_what_was_driven():
