@@ -12,8 +12,9 @@ from viser import ClientHandle
 from narrows.se2 import Array
 
 from .page_drawing import SceneDrawing, turn
-from .page_places import Changes, moved_thing, pose_changes
+from .page_places import Changes, pose_changes
 from .page_state import SceneState
+from .thing_entries import moved_entry
 
 Apply = Callable[[Changes], None]
 
@@ -34,26 +35,37 @@ class Dragging:
         self._apply = apply
 
     def attach(
-        self, state: SceneState, things: Mapping[int, Any], ends: Mapping[str, Mapping[str, Any]]
+        self,
+        state: SceneState,
+        things: Mapping[int, Any],
+        people: Mapping[int, Any],
+        ends: Mapping[str, Mapping[str, Any]],
     ) -> None:
         """Let what was drawn anew be dragged.
 
         Args:
             state: What it shows.
             things: Handles of furniture by index of the world's solids.
+            people: Handles of those that move by index; their whole way is dragged.
             ends: Handles `frame`, `body` and `arrow` of `start` and `goal`.
         """
         for index, handle in things.items():
             if index >= state.first_thing:
-                self._thing(state, index - state.first_thing, handle)
+                self._thing(state, "solids", index - state.first_thing, handle)
+        for index, handle in people.items():
+            self._thing(state, "moving", index, handle)
         for name, handles in ends.items():
             self._body(state, name, handles)
             self._arrow(state, name, handles)
 
-    def _thing(self, state: SceneState, index: int, handle: Any) -> None:
+    def _thing(self, state: SceneState, kind: str, index: int, handle: Any) -> None:
+        """Let an entry of `world.solids` or `world.moving` be dragged."""
+        begin = np.asarray(handle.position, dtype=float)[:2]
+
         def move(by: Array, *, ended: bool) -> Changes | None:
-            handle.position = (float(by[0]), float(by[1]), 0.0)
-            return moved_thing(state, index, by) if ended else None
+            handle.position = (*(begin + by).tolist(), 0.0)
+            entry = state.document["world"][kind][index]
+            return {("world", kind, index): moved_entry(entry, by)} if ended else None
 
         self._follow(handle, move)
 

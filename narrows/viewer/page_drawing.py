@@ -70,7 +70,7 @@ class SceneDrawing:
 
     def remove(self, group: str) -> None:
         """Take away what was drawn under a name."""
-        for handle in self._named.pop(group, []):
+        for handle in reversed(self._named.pop(group, [])):  # parents last: they take the rest away
             handle.remove()
 
     def keep(self, group: str, *handles: Any) -> None:
@@ -123,11 +123,19 @@ class SceneDrawing:
                 mesh = solid_mesh(solid, *solid.z)
                 handles[index] = self.mesh(f"/things/{index}", mesh, THING, opacity=0.9)
         self.keep("things", *handles.values())
+        return handles
+
+    def people(self, scene: Scene) -> dict[int, Any]:
+        """Draw those who move where they begin, and return their handles by index."""
+        self.remove("people")
+        handles: dict[int, Any] = {}
         for number, moving in enumerate(scene.world.moving):
             disc = shapely.Point(0.0, 0.0).buffer(moving.radius)
             body = solid_mesh(Solid(disc, 0.0, moving.z), *moving.z)
-            name = f"/moving/{number}"
-            self.keep("things", self.mesh(name, body, rgb(palette.ORANGE), opacity=0.75))
+            handles[number] = self.mesh(
+                f"/moving/{number}", body, rgb(palette.ORANGE), opacity=0.75
+            )
+        self.keep("people", *handles.values())
         self.at_time(scene, 0.0)
         return handles
 

@@ -20,13 +20,14 @@ from .page_guard import Guard
 from .page_jobs import JobRunner
 from .page_layers import Layers
 from .page_motion import Motion, driven_motion, planned_motion
-from .page_places import EndPanel, ThingsPanel, WallsPanel
+from .page_places import EndPanel, WallsPanel
 from .page_playback import Playback
 from .page_plots import Plots
 from .page_save import Saved, SavePanel
 from .page_stage import Stage
 from .page_state import SceneState
 from .page_task import Task
+from .page_things import ThingsPanel
 from .page_words import Words, answer, drive_words, passage_words, plan_words
 
 _READY = Words("quiet", "not planned yet", "", "Press Plan, or change the chair or the scene.")

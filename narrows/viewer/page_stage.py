@@ -44,11 +44,11 @@ class Stage:
         drawing, self._scene = self._drawing, state.scene
         drawing.world(state.scene)
         drawing.chair(state.scene.vehicle)
-        things = drawing.things(state.scene)
+        things, people = drawing.things(state.scene), drawing.people(state.scene)
         poses = {name: _pose(state, name) for name in ("start", "goal")}
         ends = {name: drawing.end(name, state.scene.vehicle, poses[name]) for name in poses}
         drawing.place(poses["start"])
-        self._dragging.attach(state, things, ends)
+        self._dragging.attach(state, things, people, ends)
         self._aim()
 
     def clear(self, *groups: str) -> None:

@@ -84,6 +84,7 @@ def _draw_still(drawing: SceneDrawing, show: Show) -> None:
     drawing.stage()
     drawing.world(scene)
     drawing.things(scene)
+    drawing.people(scene)
     for name, pose in (("start", scene.start), ("goal", scene.goal.pose)):
         drawing.end(name, scene.vehicle, pose)
     if show.path is not None and show.certificate is not None:

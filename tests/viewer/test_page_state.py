@@ -7,8 +7,9 @@ import pytest
 
 from narrows.errors import SceneError
 from narrows.scene import load_scene, read_scene
-from narrows.viewer.page_places import moved_entry, pose_changes
+from narrows.viewer.page_places import pose_changes
 from narrows.viewer.page_state import load_state
+from narrows.viewer.thing_entries import moved_entry
 
 SCENES = sorted(Path("examples/scenes").glob("*.yaml"))
 DOOR = Path("examples/scenes/door.yaml")
@@ -82,14 +83,6 @@ def test_things_are_put_in_moved_and_taken_away():
     assert moved.scene.world.solids[-1].shape.coords[0] == (3.0, 3.0)
     gone = moved.edited({("world", "solids", 0): None})
     assert len(gone.scene.world.solids) == len(state.scene.world.solids)
-
-
-def test_moving_a_polygon_moves_its_holes():
-    entry = {"polygon": [[0, 0], [2, 0], [2, 2]], "holes": [[[1, 0.2], [1.2, 0.2], [1.2, 0.4]]]}
-    moved = moved_entry(entry, (1.0, -1.0))
-    assert moved["polygon"][0] == [1.0, -1.0]
-    assert moved["holes"][0][0] == [2.0, -0.8]
-    assert entry["polygon"][0] == [0, 0]
 
 
 def test_without_a_file_there_is_a_door():
