@@ -18,7 +18,8 @@ import shapely
 
 from .errors import ShapeError
 from .files import write_whole
-from .scene_text import Source, decode, read_source
+from .scene_source import Source
+from .scene_text import decode, read_source
 from .se2 import Array, transform
 from .vehicle import Vehicle
 from .vehicle_presets import preset_entry, vehicle_names
@@ -167,7 +168,7 @@ def check_scene(scene: Scene, source: Source | None = None) -> Scene:
         source.error(
             (name,),
             problem,
-            value=[float(pose[0]), float(pose[1]), round(math.degrees(pose[2]), 9)],
+            value=[round(float(v), 9) for v in (pose[0], pose[1], math.degrees(pose[2]))],
             allowed="a pose [x, y, heading_deg] whose body is free",
         )
         for name, pose in (("start", scene.start), ("goal", scene.goal.pose))

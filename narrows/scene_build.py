@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from .errors import SceneError, ShapeError
 from .scene_problems import first_of
-from .scene_text import Source, Step
+from .scene_source import Source, Step
 from .se2 import Array
 from .short_forms import Corridor, Doorway
 from .vehicle import Layer, Limits, Vehicle

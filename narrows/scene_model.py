@@ -48,6 +48,7 @@ def _by_name(entry: Any) -> Any:
 _Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Coordinate = Annotated[_Number, Field(ge=-1e6, le=1e6, description="a coordinate [m]")]
 Length = Annotated[_Number, Field(ge=1e-3, le=1e3, description="a length [m]")]
+Size = Annotated[_Number, Field(ge=1e-3, le=20.0, description="a size of a chair [m]")]
 Amount = Annotated[_Number, Field(gt=0.0, le=1e3)]
 Degrees = Annotated[_Number, Field(ge=-3600.0, le=3600.0)]
 Height = Annotated[_Number, Field(ge=-100.0, le=1e3, description="height above the floor [m]")]
@@ -88,9 +89,9 @@ class LimitsEntry(Entry):
 class BodyEntry(Entry):
     """The chair seen from above: a rectangle, or a convex polygon in the body frame."""
 
-    length: Length | None = Field(None, description="overall length [m]")
-    width: Length | None = Field(None, description="overall width [m]")
-    rear_overhang: Annotated[_Number, Field(ge=0.0, le=1e3)] | None = Field(
+    length: Size | None = Field(None, description="overall length [m]")
+    width: Size | None = Field(None, description="overall width [m]")
+    rear_overhang: Annotated[_Number, Field(ge=0.0, le=20.0)] | None = Field(
         None, description="how far the body reaches behind the drive axle [m]"
     )
     polygon: Corners | None = Field(
@@ -119,12 +120,12 @@ class VehicleEntry(Entry):
     preset: Text | None = Field(None, description="name of a chair that comes with narrows")
     name: Text | None = Field(None, description="name for people")
     body: BodyEntry | None = Field(None, description="{length, width, rear_overhang} or {polygon}")
-    height: Length | None = Field(None, description="top of the chair with its occupant [m]")
+    height: Size | None = Field(None, description="top of the chair with its occupant [m]")
     layers: Annotated[list[LayerEntry], Field(min_length=1, max_length=50)] | None = Field(
         None, description="[{polygon, z}, ...] in place of body and height"
     )
-    track: Length | None = Field(None, description="distance between the drive wheels [m]")
-    wheel_radius: Length | None = Field(None, description="radius of the drive wheels [m]")
+    track: Size | None = Field(None, description="distance between the drive wheels [m]")
+    wheel_radius: Size | None = Field(None, description="radius of the drive wheels [m]")
     limits: LimitsEntry | None = Field(None, description="limits of the drive")
 
     @model_validator(mode="after")

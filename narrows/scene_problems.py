@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from .errors import SceneError
-from .scene_text import Source, Step, printable
+from .scene_source import Source, Step, printable
 
 if TYPE_CHECKING:
     from pydantic import BaseModel
@@ -77,11 +77,12 @@ def first_of(problems: Sequence[SceneError]) -> SceneError:
 def nearest(word: str, known: Sequence[str]) -> str:
     """Return the known word most like another.
 
-    >>> nearest("polygn", ["circle", "polygon"])
+    >>> nearest("Polygn", ["circle", "polygon"])
     'polygon'
     """
-    matches = difflib.get_close_matches(printable(word), known, n=1, cutoff=0.0)
-    return matches[0] if matches else sorted(known)[0]
+    by_small = {name.lower(): name for name in known}
+    matches = difflib.get_close_matches(printable(word).lower(), by_small, n=1, cutoff=0.0)
+    return by_small[matches[0]] if matches else sorted(known)[0]
 
 
 def _translated(schema: dict[str, Any], source: Source, found: Any) -> SceneError:

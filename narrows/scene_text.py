@@ -1,4 +1,4 @@
-"""YAML with its lines: what a file says, where it says it, and errors that point there.
+"""YAML with its lines: what a file says, and where it says it.
 
 Read by events, not by YAML's own object construction, so that nothing in a file can run code,
 recurse without end or blow up through aliases. Scalars follow the core schema of YAML 1.2:
@@ -8,17 +8,22 @@ recurse without end or blow up through aliases. Scalars follow the core schema o
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator
 from typing import Any
 
 from .errors import SceneError
-
-Step = str | int
+from .scene_source import Located, Source, Step, printable
 
 _DEEPEST = 24  # levels of nesting; the format needs six
 _LARGEST = 4 * 2**20  # bytes; about 20 s of reading
 _MOST_ALIASED = 100_000  # values that aliases may repeat in all
+
+_HINTS = {
+    "'\\t'": "lines indented by spaces, not by tabs",
+    "mapping values are not allowed": "`key: value`, a space after the colon, keys that belong "
+    "together indented alike",
+}
+"""What would be accepted, by what the parser says of the commonest slips."""
 
 _INTEGER = re.compile(r"[-+]?[0-9]{1,15}")
 _NUMBER = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
@@ -30,83 +35,6 @@ _CONSTANTS: dict[str, Any] = {
     **dict.fromkeys(["-.inf", "-.Inf", "-.INF"], float("-inf")),
     **dict.fromkeys([".nan", ".NaN", ".NAN"], float("nan")),
 }
-
-
-@dataclass(frozen=True, eq=False)
-class Located:
-    """A value of a file and the line it stands on.
-
-    Attributes:
-        value: Text, number, truth value, None, list or dict with text keys.
-        line: Line, counted from 1; for an entry of a mapping that of its key.
-        items: The same for every entry of a list (by index) or mapping (by key).
-        count: Number of values in it, itself included.
-    """
-
-    value: Any
-    line: int
-    items: dict[Step, Located] = field(default_factory=dict)
-    count: int = 1
-
-
-@dataclass(frozen=True, eq=False)
-class Source:
-    """A file read, able to point at its fields.
-
-    Attributes:
-        file: Name of the file for messages; None for text given in Python.
-        root: What it says; None for values that come from no file.
-    """
-
-    file: str | None
-    root: Located | None = None
-
-    def error(
-        self,
-        path: Sequence[Step],
-        problem: str,
-        *,
-        value: Any = None,
-        allowed: str | None = None,
-        others: Sequence[SceneError] = (),
-    ) -> SceneError:
-        """Return the error that names file, line and field of what a path leads to."""
-        return SceneError(
-            problem,
-            file=self.file,
-            line=self.line(path),
-            field=field_name(path) or None,
-            value=value,
-            allowed=allowed,
-            others=others,
-        )
-
-    def line(self, path: Sequence[Step]) -> int | None:
-        """Return the line of a field, or of the nearest field around it that exists."""
-        if self.root is None:
-            return None
-        here = self.root
-        for step in path:
-            if step not in here.items:
-                break
-            here = here.items[step]
-        return here.line
-
-
-def field_name(path: Sequence[Step]) -> str:
-    """Return a path for people.
-
-    >>> field_name(("world", "solids", 2, "z"))
-    'world.solids[2].z'
-    """
-    text = "".join(f"[{s}]" if isinstance(s, int) else f".{printable(s)}" for s in path)
-    return text.removeprefix(".")
-
-
-def printable(text: str) -> str:
-    """Return text shortened to 40 characters, with those escaped that a terminal cannot show."""
-    short = text if len(text) <= 40 else text[:37] + "..."
-    return short if short.isprintable() else repr(short)[1:-1]
 
 
 def read_source(text: str, file: str | None) -> Source:
@@ -174,8 +102,9 @@ class _Reader:
         except MarkedYAMLError as error:
             mark = error.problem_mark or error.context_mark
             what = " ".join(str(error.problem or error.context).split())
+            hint = next((hint for said, hint in _HINTS.items() if said in what), "YAML or JSON")
             raise self._error(
-                None if mark is None else mark.line + 1, f"not YAML: {what}", "YAML or JSON"
+                None if mark is None else mark.line + 1, f"not YAML: {what}", hint
             ) from None
         except YAMLError as error:
             what = " ".join(str(error).split())[:120]

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 from .errors import SceneError
 from .scene_problems import nearest, validated
-from .scene_text import Source, decode, read_source
+from .scene_source import Source
+from .scene_text import decode, read_source
 
 if TYPE_CHECKING:
     from .scene_model import PresetEntry

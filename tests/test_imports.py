@@ -32,6 +32,7 @@ LEVELS = [
     },
     {
         "maps",
+        "scene_source",
         "scene_text",
         "scene_problems",
         "scene_model",

@@ -6,7 +6,8 @@ import time
 import pytest
 
 from narrows.errors import SceneError
-from narrows.scene_text import decode, field_name, read_source
+from narrows.scene_source import field_name
+from narrows.scene_text import decode, read_source
 
 
 def value(text: str):
@@ -77,6 +78,8 @@ def test_fields_read_like_the_file():
         ("", 1, "empty"),
         ("# only a comment\n", 1, "empty"),
         ("a: 1\nb: 2\na: 3", 3, "the key 'a' is given twice, first on line 1"),
+        ("a:\n\tb: 1", 2, "spaces, not by tabs"),
+        ("a:\n  b: 1\n   c: 2", 3, "indented alike"),
         ("a: [1, 2", None, "not YAML"),
         ("a: 1\n b: 2", 2, "not YAML"),
         ("a: \t- x\n\t- y", None, "not YAML"),

@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import SceneError
-from ..scene_text import Source, Step, decode, read_source
+from ..scene_source import Source, Step
+from ..scene_text import decode, read_source
 
 MODES = ("trinary", "scale")
 FARTHEST = 1e7  # m; beyond, coordinates lose their micrometres
