@@ -1,6 +1,7 @@
 """`narrows drive --controller`: the plan is driven by who watches."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,8 @@ from narrows.path import Path as DrivenPath
 from narrows.reactive.safety_regions import RegionOptions, SafetyRegions
 from narrows.scene import load_scene
 from narrows.simulation.record import read_record
+from narrows.simulation.simulator import simulate
+from narrows.world import World
 
 SCENES = Path(__file__).parents[1] / "examples" / "scenes"
 SOMEBODY = str(SCENES / "somebody-in-the-door.yaml")
@@ -20,7 +23,8 @@ SOMEBODY = str(SCENES / "somebody-in-the-door.yaml")
 
 def test_somebody_in_the_door_stops_the_chair_and_a_cleared_door_lets_it_go_on(capsys, tmp_path):
     file = tmp_path / "drive.csv"
-    code = run(["drive", SOMEBODY, "--controller", "navigator", "--record", str(file)])
+    words = ["--controller", "navigator", "--senses", "sensors", "--record", str(file)]
+    code = run(["drive", SOMEBODY, *words])
     text = capsys.readouterr().out
     assert code == 0
     assert "navigator             arrived" in text
@@ -31,6 +35,41 @@ def test_somebody_in_the_door_stops_the_chair_and_a_cleared_door_lets_it_go_on(c
     assert np.abs(record.wheel_speeds[inside]).max() < 1e-3  # she stands in the passage
     assert record.signals["waits"][inside].all()
     assert record.times[-1] > 15.0
+
+
+@pytest.mark.parametrize("senses", ["ideal", "sensors"])
+def test_senses_that_fall_silent_stop_the_chair_within_its_braking_distance(senses):
+    scene, silent_from = load_scene(SCENES / "door.yaml"), 4.0
+    path = DrivenPath.from_poses([scene.start, np.add(scene.start, [3.0, 0.0, 0.0])])
+    scene = replace(scene, world=World())
+    fitted = make_controller("navigator", scene, path, senses=senses, silent_from=silent_from)
+    options = replace(fitted.options, time_limit=7.0)
+    record = simulate(scene, fitted.controller, senses=fitted.senses, options=options)
+    last = np.searchsorted(record.times, silent_from)
+    speed = record.wheel_speeds[last].mean()
+    assert speed > 0.3
+    guard = fitted.controller.guard
+    way = record.poses[-1, 0] - record.poses[last, 0]
+    assert way <= speed * guard.options.oldest + guard.stopping_distance(speed)
+    assert np.abs(record.wheel_speeds[-1]).max() < 1e-3
+    assert fitted.outcome() == "waits: the sensors are silent"
+
+
+def test_a_bend_tighter_than_it_is_long_is_driven_clear_of_the_jambs(capsys):
+    """Braking along the arc it drives, instead of along its path, the chair would cut a jamb."""
+    words = ["drive", str(SCENES / "tight-door.yaml"), "--controller", "navigator", "--json"]
+    assert run(words) == 0
+    figures = json.loads(capsys.readouterr().out)
+    assert figures["collisions"] == 0
+    assert figures["min_clearance_m"] > 0.015
+
+
+def test_unknown_senses_are_refused_with_the_known_ones(capsys):
+    words = ["drive", SOMEBODY, "--controller", "navigator", "--senses", "eyes"]
+    assert run(words) == 2
+    message = capsys.readouterr().err
+    assert "--senses" in message
+    assert "ideal, sensors" in message
 
 
 def test_without_a_watcher_the_plan_must_foresee_her(capsys):
@@ -82,10 +121,18 @@ def test_regions_of_another_chair_are_refused(capsys, regions):
     assert str(regions) in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("option", ["--driver", "--regions"])
-def test_what_belongs_to_the_assistant_is_refused_without_it(capsys, option):
-    assert run(["drive", SOMEBODY, option, "x"]) == 2
-    assert f"{option} belongs to --controller assistant" in capsys.readouterr().err
+@pytest.mark.parametrize(
+    ("option", "owner"),
+    [
+        ("--driver", "assistant"),
+        ("--regions", "assistant"),
+        ("--senses", "navigator"),
+        ("--silent-from", "navigator"),
+    ],
+)
+def test_what_belongs_to_a_controller_is_refused_without_it(capsys, option, owner):
+    assert run(["drive", SOMEBODY, option, "1"]) == 2
+    assert f"{option} belongs to --controller {owner}" in capsys.readouterr().err
 
 
 def test_an_unknown_driver_is_refused_with_the_known_ones(capsys, regions):

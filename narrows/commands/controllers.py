@@ -77,7 +77,7 @@ def _navigator(scene: Scene, motion: Path | Trajectory, wishes: Wishes) -> Fitte
 
     # By progress, not by the trajectory's clock: the chair may have to wait for somebody.
     path = motion.path if isinstance(motion, Trajectory) else motion
-    options = SimulationOptions()
+    options = SimulationOptions(period=0.05)
     limits = scene.vehicle.limits
     guard = GuardOptions(
         deceleration=limits.acceleration,
