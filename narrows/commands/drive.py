@@ -96,6 +96,7 @@ def run_drive(
     )
     files.check()
     scene = load_scene(scene_file)
+    notes: list[str] = []
     if given is None:
         from ..planners import plan
 
@@ -103,36 +104,22 @@ def run_drive(
         if planned.trajectory is None:
             return _not_planned(scene, planned, files)
         motion: Path | Trajectory = planned.trajectory
-        head, notes = describe_plan(scene, planned), []
+        head = describe_plan(scene, planned)
         if files.trajectory is not None:
             write_trajectory(planned.trajectory, files.trajectory, vehicle=scene.vehicle)
     else:
-        motion = read_trajectory(given)
-        found = verify(scene, motion)
-        head = f"{scene.name or scene_file}: {given}, {found.status}"
-        notes = [f"{given} is {found.status}: {found.reason}"] if found.problems else []
-        notes += [f"{given}: {note}" for note in found.notes if not found.problems]
+        motion, head, notes = _given(scene, scene_file, given)
     if controller is None:
         follower = make_tracker(tracker, motion, scene.vehicle)
-        record, said = simulate(scene, follower, reference=motion, report=report), ""
+        record = simulate(scene, follower, reference=motion, report=report)
     else:
         make = partial(make_controller, controller, scene, motion, tracker=tracker)
         make = partial(make, driver=driver or "steady", regions=regions)
         make = partial(make, senses=senses or "ideal")
         make = partial(make, silent_from=math.inf if silent_from is None else silent_from)
-        record, outcome = _watched(scene, motion, make, report)
-        said = lines((controller, outcome))
-    head = lines(head, said)
-    verdict = judge(scene, record)
-    if files.record is not None:
-        write_record(record, files.record)
-    if files.picture is not None:
-        _draw(scene, motion, record, verdict, files.picture)
-    text = _describe(head, verdict, files.named)
-    code = OK if verdict.reached else NOT_FOUND
-    if not verdict.reached:
-        notes.append(verdict.reason)
-    return Outcome(code, verdict.figures(), text, tuple(notes))
+        record, said = _watched(scene, motion, make, report)
+        head = lines(head, (controller, said))
+    return _judged(scene, motion, record, files, head, notes)
 
 
 def _check_options(
@@ -161,6 +148,16 @@ def _check_belongings(
         for option, value in options.items():
             if value is not None and controller != owner:
                 raise InputError(f"{option} belongs to --controller {owner}", value=value)
+
+
+def _given(scene: Scene, scene_file: str, file: str) -> tuple[Path | Trajectory, str, list[str]]:
+    """Return a motion from a file, what to call it, and what is to be said of it."""
+    motion = read_trajectory(file)
+    found = verify(scene, motion)
+    head = f"{scene.name or scene_file}: {file}, {found.status}"
+    if found.problems:
+        return motion, head, [f"{file} is {found.status}: {found.reason}"]
+    return motion, head, [f"{file}: {note}" for note in found.notes]
 
 
 def _watched(
@@ -192,6 +189,26 @@ def _watched(
         report=driving,
     )
     return record, fitted.outcome()
+
+
+def _judged(
+    scene: Scene,
+    motion: Path | Trajectory,
+    record: Record,
+    files: DriveFiles,
+    head: str,
+    notes: list[str],
+) -> Outcome:
+    """Return the outcome of a drive; write what was asked for."""
+    verdict = judge(scene, record)
+    if files.record is not None:
+        write_record(record, files.record)
+    if files.picture is not None:
+        _draw(scene, motion, record, verdict, files.picture)
+    text = _describe(head, verdict, files.named)
+    if verdict.reached:
+        return Outcome(OK, verdict.figures(), text, tuple(notes))
+    return Outcome(NOT_FOUND, verdict.figures(), text, (*notes, verdict.reason))
 
 
 def _foreseen(scene: Scene, controller: str | None) -> Scene:
