@@ -26,6 +26,7 @@ from .sensed_space import SensedSpace
 from .surfaces import SensedWorld
 
 _SAME_DOOR = 0.5  # m: doors nearer to each other are one
+_ASIDE = math.radians(50.0)  # a camera's view overlaps that ahead by 7 deg
 
 
 @dataclass(frozen=True)
@@ -34,8 +35,9 @@ class LookOptions:
 
     Attributes:
         manners: Of the two laser scanners on its corners.
-        has_camera: Whether a depth camera looks ahead from above its front: what lasers pass under
-            or over, such as a table top, is seen by it alone.
+        camera_headings: Where a depth camera above its front turns to, counter-clockwise from
+            ahead [rad]: what lasers pass under or over, such as a table top, is seen by it alone.
+            None at all: there is no camera.
         camera_reach: Depth up to which its returns are used [m].
         scans: Taken at each look and averaged, frames likewise: the chair stands.
         rate: Of the scans [Hz].
@@ -45,7 +47,7 @@ class LookOptions:
     """
 
     manners: LaserManners = field(default_factory=lambda: LaserManners(beams=1081))
-    has_camera: bool = True
+    camera_headings: tuple[float, ...] = (0.0, _ASIDE, -_ASIDE)
     camera_reach: float = 2.5
     scans: int = 8
     rate: float = 12.5
@@ -83,7 +85,10 @@ class Lookout:
         self._scene, self._options = scene, options
         self._sensed = SensedWorld(scene.world)
         self._scanners = on_corners(scene.vehicle, manners=options.manners)
-        self._camera = _camera_of(scene.vehicle, options.camera_reach)
+        self._cameras = [
+            _camera_of(scene.vehicle, options.camera_reach, heading)
+            for heading in options.camera_headings
+        ]
         self._rng = np.random.default_rng(options.seed)
         bands = bands_of(scene.vehicle)
         # A look is many scans at once: one look learns and one forgets.
@@ -106,8 +111,8 @@ class Lookout:
             )
             self.map.add_scan(scan)
             self._note_doors(scan)
-        if self._options.has_camera:
-            sensor, finder = DepthSensor(self._camera), ObstacleFinder(self._camera)
+        for camera in self._cameras:
+            sensor, finder = DepthSensor(camera), ObstacleFinder(camera)
             frame = averaged_frame(
                 [sensor.measure(self._sensed, pose, time, rng=self._rng) for _ in count]
             )
@@ -157,9 +162,9 @@ def averaged_frame(frames: list[NDArray[np.uint16]]) -> NDArray[np.float32]:
     return np.where(returns * 2 > len(frames), mean, np.float32(0.0))
 
 
-def _camera_of(vehicle: Vehicle, reach: float) -> DepthCamera:
-    """Return a camera above the front of a chair's highest layer, looking ahead and down."""
+def _camera_of(vehicle: Vehicle, reach: float, heading: float) -> DepthCamera:
+    """Return a camera above the front of a chair's highest layer, looking down that way."""
     highest = max(vehicle.layers, key=lambda layer: layer.z[1])
     front = float(highest.polygon[:, 0].max())
-    mounting = Mounting(min(vehicle.height, 1.3), math.radians(25.0), front)
+    mounting = Mounting(min(vehicle.height, 1.3), math.radians(25.0), front, heading=heading)
     return replace(kinect(mounting), furthest=reach)

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..clearance import certify, clearance_at
+from ..clearance import Certificate, certify, clearance_at
 from ..errors import InputError
 from ..interfaces import Plan, PlanStatus
 from ..path import Path
@@ -150,7 +150,7 @@ class _Journey:
         goal = self._scene.goal
         free, against = clearance_at(space.cautious, self._scene.vehicle, goal.pose[None])
         if free[0] <= 0.0:
-            return None, f"the goal is {against[0] or 'out of bounds'}"
+            return None, f"at the goal the chair would stand in {against[0] or 'a wall'}"
         if not space.leads_to(goal.pose):
             return None, "no way to the goal is seen to be free"
         return self._planned(space, goal)
@@ -209,15 +209,32 @@ class _Journey:
         whole = joined(self._legs, self._options.look.duration)
         found = verify(self._scene, whole)
         if not found.is_certified:
-            return self._failed(f"the motion planned by what was sensed is refused: {found.reason}")
-        reason = f"{found.reason}; {len(self._views)} views"
+            return self._failed(
+                "the motion planned by what was sensed is refused by the world as it is: "
+                f"{'; '.join(found.problems)}{self._hint(found.certificate)}"
+            )
+        reason = f"{found.reason}; {_views(len(self._views))}"
         parts = (whole.path, whole, found.certificate)
         return SensedPlan(Plan(PlanStatus.CERTIFIED, PLANNER, reason, *parts), tuple(self._views))
 
+    def _hint(self, proof: Certificate) -> str:
+        """Return what to do about what the motion meets, if that is not plain."""
+        if proof.is_clear:
+            return ""
+        if any(proof.against == moving.name for moving in self._scene.world.moving):
+            return (
+                ": it moved after the chair looked; a plan does not wait for what moves, "
+                "`narrows drive --controller navigator` does"
+            )
+        return ": no sensor saw it from where the chair looked"
+
     def _failed(self, reason: str) -> SensedPlan:
-        views = len(self._views)
-        told = f"{reason} (after {views} {'view' if views == 1 else 'views'})"
+        told = f"{reason} (after {_views(len(self._views))})"
         return SensedPlan(Plan(PlanStatus.NOT_FOUND, PLANNER, told), tuple(self._views))
+
+
+def _views(count: int) -> str:
+    return f"{count} view" if count == 1 else f"{count} views"
 
 
 def joined(legs: list[Trajectory], pause: float = 0.0) -> Trajectory:

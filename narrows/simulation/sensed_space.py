@@ -30,6 +30,7 @@ _SMOOTH = 0.9  # cells: corners nearer to a straight line are left out
 _SPLINTER = 0.24  # m: free space narrower than that is of no use
 _SHELL = 0.4  # m: thickness of what surrounds the free space
 _LEAST = 4  # cells of free space that are worth a polygon
+_UNSEEN, _SEEN = "what is not seen to be free", "what was seen there"  # names of solids
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +92,7 @@ class SensedSpace:
             free = shapely.simplify(self._area(self._open(occupied)), _SMOOTH * self.cell)
             free = shapely.union(shapely.buffer(free, 0.0), self._stand(layer.polygon))
             outer = shapely.buffer(free, _SHELL, join_style="mitre")
-            solids += _solids(shapely.difference(outer, free), layer.z, "not seen to be free")
+            solids += _solids(shapely.difference(outer, free), layer.z, _UNSEEN)
         return World(tuple(solids), self.bounds, doors=self.doors)
 
     @cached_property
@@ -106,7 +107,7 @@ class SensedSpace:
             joined = joined[reach:-reach, reach:-reach]
             area = shapely.simplify(self._area(joined), _SMOOTH * self.cell)
             area = shapely.difference(shapely.buffer(area, 0.0), self._stand(layer.polygon))
-            solids += _solids(area, layer.z, "seen")
+            solids += _solids(area, layer.z, _SEEN)
         return World(tuple(solids), self.bounds, doors=self.doors)
 
     @cached_property
@@ -125,7 +126,7 @@ class SensedSpace:
             for k, outline in enumerate(found.outlines):
                 shape = shapely.transform(outline, self._to_world(1))
                 own = tuple(parts[found.owner == k])
-                solids.append(Solid(shape, z=layer.z, name="not seen to be free", parts=own))
+                solids.append(Solid(shape, z=layer.z, name=_UNSEEN, parts=own))
         return World(tuple(solids), self.bounds)
 
     def _open(self, occupied: Mask) -> Mask:

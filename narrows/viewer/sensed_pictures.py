@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import textwrap
+
 import matplotlib
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from narrows.interfaces import PlanStatus
 from narrows.scene import Scene
 from narrows.se2 import Array, transform
 from narrows.simulation.sensed_plan import SensedPlan, View
@@ -21,7 +26,7 @@ from .study_axes import new_figure, study_style
 from .view_box import ViewBox, view_box
 
 _MOST = 5  # looks that are drawn, the first and the last among them
-_UNKNOWN, _FREE = "#DADADA", "#FFFFFF"
+_UNKNOWN, _FREE, _DOOR = "#DADADA", "#FFFFFF", palette.RED
 
 
 def sensed_figure(scene: Scene, outcome: SensedPlan) -> Figure:
@@ -41,7 +46,7 @@ def sensed_figure(scene: Scene, outcome: SensedPlan) -> Figure:
     box = view_box(scene, paths)
     shape = (box[3] - box[1]) / (box[2] - box[0])
     with matplotlib.rc_context(study_style()):
-        height = min(rows * (12.0 / columns * shape + 0.6) + 1.0, 24.0)
+        height = min(rows * ((12.0 / columns - 0.6) * shape + 0.8) + 1.2, 24.0)
         figure = new_figure(12.0, height)
         panels = figure.subplots(rows, columns, squeeze=False).ravel()
         for axes, index in zip(panels, chosen.tolist(), strict=False):
@@ -49,9 +54,36 @@ def sensed_figure(scene: Scene, outcome: SensedPlan) -> Figure:
         _draw_truth(panels[len(chosen)], scene, outcome, box)
         for axes in panels[len(chosen) + 1 :]:
             axes.set_axis_off()
-        status = outcome.plan.status.value.replace("_", " ")
-        figure.suptitle(f"{scene.name or 'scene'}, planned by what is sensed: {status}")
+        figure.suptitle(_title(scene, outcome))
+        figure.legend(handles=_legend(), loc="outside lower center", ncols=5, fontsize=9)
     return figure
+
+
+def _title(scene: Scene, outcome: SensedPlan) -> str:
+    """Return what came of it, and why if it is not certified."""
+    status = outcome.plan.status
+    title = f"{scene.name or 'scene'}, planned by what is sensed: {status.value.replace('_', ' ')}"
+    if status is PlanStatus.CERTIFIED:
+        return title
+    return "\n".join([title, *textwrap.wrap(outcome.plan.reason, 120)])
+
+
+def _legend() -> list[Artist]:
+    """Return what the colours stand for, in all panels."""
+    cells = (("unknown", _UNKNOWN), ("seen to be free", _FREE), ("obstacle seen", palette.INK))
+    handles: list[Artist] = [
+        Patch(facecolor=colour, edgecolor=palette.OUTLINE, label=name) for name, colour in cells
+    ]
+    lines = (
+        ("door found", _DOOR, "-"),
+        ("where it stands and looks around", palette.START, "-"),
+        ("goal", palette.GOAL, "--"),
+        ("driven forwards", palette.FORWARD, "-"),
+        ("backwards", palette.REVERSE, "--"),
+    )
+    handles += [Line2D([], [], color=c, ls=style, lw=2, label=n) for n, c, style in lines]
+    turn = Line2D([], [], color=palette.INK, marker="D", ls="", label="changes direction")
+    return [*handles, turn]
 
 
 def _draw_view(axes: Axes, scene: Scene, view: View, index: int, box: ViewBox) -> None:
@@ -72,18 +104,13 @@ def _draw_view(axes: Axes, scene: Scene, view: View, index: int, box: ViewBox) -
         draw_motion(axes, scene.vehicle, view.leg.path, fault="")
     axes.plot(*_closed(transform(space.pose, scene.vehicle.outline)).T, color=palette.START, lw=2)
     for door in space.doors:
-        axes.plot(*_opening(door).T, color=palette.ORANGE, linewidth=3.0)
+        axes.plot(*_opening(door).T, color=_DOOR, linewidth=3.0)
     goal = _closed(transform(scene.goal.pose, scene.vehicle.outline))
     axes.plot(*goal.T, color=palette.GOAL, linestyle=(0, (4, 1.5)), linewidth=1.5)
     ends = "stops where the seen ends" if view.into_the_unknown else "to the goal"
     if view.leg is None:
         ends = "no way on"
     _frame(axes, f"look {index + 1}: {ends}", box)
-    if index == 0:
-        names = (("unknown", _UNKNOWN), ("seen to be free", _FREE), ("obstacle", palette.INK))
-        handles = [Patch(facecolor=c, edgecolor=palette.OUTLINE, label=n) for n, c in names]
-        handles.append(Patch(facecolor=palette.ORANGE, label="door found"))
-        axes.legend(handles=handles, loc="best", fontsize=8, framealpha=0.9)
 
 
 def _draw_truth(axes: Axes, scene: Scene, outcome: SensedPlan, box: ViewBox) -> None:
@@ -96,7 +123,7 @@ def _draw_truth(axes: Axes, scene: Scene, outcome: SensedPlan, box: ViewBox) -> 
         draw_motion(axes, scene.vehicle, trajectory.path, fault="")
         title += f": clear by {1e3 * certificate.clearance:.0f} mm"
     for view in outcome.views:
-        axes.plot(*view.space.pose[:2], "o", color=palette.RED, markersize=5, zorder=6)
+        axes.plot(*view.space.pose[:2], "o", color=palette.START, markersize=6, zorder=6)
     _frame(axes, title, box)
 
 
@@ -105,6 +132,8 @@ def _frame(axes: Axes, title: str, box: ViewBox) -> None:
     axes.set_xlim(box[0], box[2])
     axes.set_ylim(box[1], box[3])
     axes.set_title(title, fontsize=11)
+    axes.set_xlabel("x [m]")
+    axes.set_ylabel("y [m]")
 
 
 def _closed(corners: Array) -> Array:

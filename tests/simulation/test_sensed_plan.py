@@ -18,7 +18,7 @@ from narrows.simulation.sensed_plan import SensedOptions, joined, plan_sensed
 from narrows.trajectory import Trajectory
 from narrows.vehicle import Vehicle
 from narrows.verification import verify
-from narrows.world import Solid, World
+from narrows.world import MovingSolid, Solid, World
 
 SCENES = Path(__file__).parents[2] / "examples" / "scenes"
 CHAIR = Vehicle.rectangle(1.0, 0.6, 0.25, height=1.2)
@@ -106,20 +106,31 @@ def test_where_the_goal_cannot_be_seen_from_anywhere_it_says_so():
 
 
 def test_what_no_sensor_sees_is_touched_and_the_plan_refused():
-    lasers_only = replace(FAST, look=replace(FAST.look, has_camera=False))
+    lasers_only = replace(FAST, look=replace(FAST.look, camera_headings=()))
     shelf = box(1.9, 0.0, 2.3, 3.0, z=(0.9, 1.1), name="shelf")
     scene = scene_of(room(shelf))
     outcome = plan_sensed(scene, lasers_only)
     assert outcome.plan.status is PlanStatus.NOT_FOUND
-    assert "is refused: " in outcome.plan.reason
-    assert "shelf" in outcome.plan.reason
+    assert "refused by the world as it is: the body cuts" in outcome.plan.reason
+    assert "into shelf" in outcome.plan.reason
+    assert "no sensor saw it" in outcome.plan.reason
+
+
+def test_of_somebody_who_walked_into_the_way_it_says_that_they_moved():
+    person = MovingSolid(0.25, [[0.0, 2.0, 0.4], [3.0, 2.0, 1.5]], name="guest")
+    world = World(room(x=4.0).solids, (-0.1, -0.1, 4.1, 3.1), moving=(person,))
+    outcome = plan_sensed(scene_of(world), replace(FAST, look=replace(FAST.look, scans=1)))
+    assert outcome.plan.status is PlanStatus.NOT_FOUND
+    assert "into guest" in outcome.plan.reason
+    assert "it moved after the chair looked" in outcome.plan.reason
 
 
 def test_the_camera_sees_what_the_lasers_pass_under():
-    table = box(1.9, 1.2, 2.4, 2.0, z=(0.7, 0.75), name="table top")
-    scene = scene_of(room(table, y=4.0), (0.6, 1.6, 0.0), (3.2, 1.6, 0.0))
-    blind = replace(FAST, look=replace(FAST.look, has_camera=False))
-    assert "table top" in plan_sensed(scene, blind).plan.reason
+    table = box(1.9, 1.2, 3.2, 2.6, z=(0.7, 0.75), name="table top")
+    scene = scene_of(room(table, x=5.6, y=4.0), (0.6, 1.9, 0.0), (4.6, 1.9, 0.0))
+    for headings in ((), (0.0,)):  # ahead alone the table's corners are out of view
+        narrow = replace(FAST, look=replace(FAST.look, camera_headings=headings))
+        assert "table top" in plan_sensed(scene, narrow).plan.reason
     outcome = plan_sensed(scene, FAST)
     assert outcome.plan.status is PlanStatus.CERTIFIED
     assert_honest(scene, outcome)
