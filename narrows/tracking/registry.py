@@ -38,7 +38,8 @@ def _linearizing(
     motion: Path | Trajectory, vehicle: Vehicle, speed: float, delay: float
 ) -> Tracker:
     from .following import FollowingOptions
-    from .linearizing import LinearizingOptions, LinearizingTracker
+    from .linearizing import LinearizingTracker
+    from .linearizing_law import LinearizingOptions
 
     options = LinearizingOptions(following=FollowingOptions(speed=speed, delay=delay))
     return LinearizingTracker(motion, vehicle, options)

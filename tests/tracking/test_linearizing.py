@@ -15,11 +15,11 @@ from narrows.simulation.plant import PlantOptions
 from narrows.tracking.delay import moved
 from narrows.tracking.following import FollowingOptions
 from narrows.tracking.level import CircleLevel, Jet, LineLevel
-from narrows.tracking.linearizing import (
-    LevelTracker,
+from narrows.tracking.level_tracker import LevelTracker
+from narrows.tracking.linearizing import LinearizingTracker
+from narrows.tracking.linearizing_law import (
     LinearizingGains,
     LinearizingOptions,
-    LinearizingTracker,
     linearizing_yaw_rate,
     wheel_rates,
 )
