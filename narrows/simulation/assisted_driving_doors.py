@@ -24,6 +24,7 @@ from .chair_senses import ChairSenses
 _ASKEW = math.radians(80.0)  # a door further off the chair's heading is not ahead
 _WALL = 3.0  # m of wall assumed beside a sensed door
 _THICKNESS = 0.15  # m of it
+_ENOUGH = 0.08  # m of clearance; more is not aimed at
 _KEPT = 1.0  # s: how long poses are remembered to carry a scan's doors to now
 
 
@@ -81,17 +82,19 @@ class CertifiedDoorPaths:
         vehicle: Vehicle,
         *,
         beyond: float = 0.6,
-        margins: Sequence[float] = (0.08, 0.06, 0.04),
+        shares: Sequence[float] = (0.6, 0.4),
     ) -> None:
         """Plan for a chair.
 
         Args:
             vehicle: The chair; the paths only drive forward.
             beyond: How far behind the door a path ends [m].
-            margins: Clearances aimed at, one after the other until there is a path [m].
+            shares: Clearances aimed at, one after the other until there is a path, as shares of
+                what the door leaves on either side. With more the path swings far out before the
+                door, with less the assistant stops beside a post.
         """
         self._vehicle = vehicle.with_limits(reverse_speed=0.0)
-        self._beyond, self._margins = beyond, tuple(margins)
+        self._beyond, self._shares = beyond, tuple(shares)
         self.asked, self.found = 0, 0
 
     def __call__(self, door: DoorAhead) -> Array | None:
@@ -101,7 +104,9 @@ class CertifiedDoorPaths:
         walls = [_wall(door, half, half + _WALL), _wall(door, -half - _WALL, -half)]
         goal = Goal(compose(door.pose, [_THICKNESS + self._beyond, 0.0, 0.0]))
         scene = Scene(self._vehicle, World(tuple(walls)), np.zeros(3), goal)
-        for margin in self._margins:
+        spare = half - 0.5 * self._vehicle.width
+        for share in self._shares if spare > 0.0 else ():
+            margin = min(share * spare, _ENOUGH)
             answer = plan(replace(scene, margin=margin), planner="manoeuvre")
             path = answer.path if answer.status is PlanStatus.CERTIFIED else None
             if path is not None and not path.direction_changes:

@@ -16,6 +16,7 @@ from ..reactive.assistant import Assistant
 from ..reactive.assistant_options import AssistantOptions
 from ..reactive.door_blend import DoorBlend
 from ..reactive.safety_regions import RegionOptions, SafetyRegions
+from ..reactive.safety_regions_file import FORMAT
 from ..reactive.smooth_motion import MotionLimits, SmoothMotion
 from ..scene import Scene, load_vehicle
 from ..simulation.assisted_driving import AssistedDriving, Seat, UnknownIsFree
@@ -89,7 +90,7 @@ def region_options() -> RegionOptions:
 def prepare_regions(folder: Path) -> str:
     """Compute the Xeno's safety regions into a folder unless they are there; return the file."""
     options = region_options()
-    file = folder / f"regions-{zlib.crc32(repr(options).encode()):08x}.npz"
+    file = folder / f"regions-{zlib.crc32(repr((FORMAT, options)).encode()):08x}.npz"
     if not file.is_file():
         SafetyRegions.compute(load_vehicle("xeno"), options).save(file)
     return str(file)
