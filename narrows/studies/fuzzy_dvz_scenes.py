@@ -55,7 +55,7 @@ def _suspended_boxes() -> Scene:
     """Box 1 too low to drive under, box 2 high enough."""
     solids = (
         _box(-0.6, 0.1, 0.6, 0.6, (0.7, 1.0), "box 1, 0.7 m up"),
-        _box(1.6, 0.0, 0.6, 0.9, (1.1, 1.4), "box 2, 1.1 m up"),
+        _box(1.6, -0.4, 0.6, 1.4, (1.1, 1.4), "box 2, 1.1 m up"),
     )
     return scene_of(LOW_CHAIR, World(solids), (-3.0, 0.0, 0.0), (3.0, 0.0))
 

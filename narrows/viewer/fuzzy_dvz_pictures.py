@@ -18,6 +18,7 @@ from matplotlib.patches import Circle, Patch
 from narrows.scene import Scene
 from narrows.se2 import Array, transform
 from narrows.simulation.record import Record
+from narrows.world import Solid
 
 from . import palette
 from .study_axes import draw_body, draw_room, new_figure, study_style
@@ -86,7 +87,7 @@ def worlds_figure(runs: Sequence[DrawnRun]) -> Figure:
         for axes, run in zip(panels, runs, strict=False):
             _draw_place(axes, run, None, legend=False)
             axes.set_title(f"{run.title}: {run.text}", fontsize=10)
-        figure.legend(handles=_handles(None, run_moving=False), loc="outside lower center", ncols=5)
+        figure.legend(handles=_handles(None, runs), loc="outside lower center", ncols=6)
     return figure
 
 
@@ -131,11 +132,11 @@ def _draw_place(axes: Axes, run: DrawnRun, without: Array | None, *, legend: boo
                 f"{time:.0f} s", (place[0], place[1]), ha="center", va="center", fontsize=8
             )
     if legend:
-        moving = bool(scene.world.moving)
         axes.legend(
-            handles=_handles(without, run_moving=moving),
+            handles=_handles(without, [run]),
             loc="upper center",
-            bbox_to_anchor=(0.5, -0.1),
+            bbox_to_anchor=(0.5, 0.0),
+            borderaxespad=4.5,  # font sizes: below the axis' name, however low the panel is
             ncols=3,
             frameon=False,
             fontsize=9,
@@ -149,7 +150,7 @@ def _hatch_what_hangs(axes: Axes, run: DrawnRun, *, named: bool) -> None:
             continue
         area = solid.shape.buffer(solid.radius) if solid.radius else solid.shape
         corners = shapely.get_coordinates(area)
-        if solid.z[0] >= run.scene.vehicle.height:
+        if _is_passed_under(solid, run.scene):
             axes.fill(
                 *corners.T, facecolor="white", edgecolor=palette.OUTLINE, hatch="//", zorder=1.5
             )
@@ -166,7 +167,11 @@ def _hatch_what_hangs(axes: Axes, run: DrawnRun, *, named: bool) -> None:
         text.set_bbox({"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 0.8})
 
 
-def _handles(without: Array | None, *, run_moving: bool) -> list[Any]:
+def _is_passed_under(solid: Solid, scene: Scene) -> bool:
+    return solid.z[0] >= scene.vehicle.height
+
+
+def _handles(without: Array | None, runs: Sequence[DrawnRun]) -> list[Any]:
     handles: list[Any] = [
         Line2D([], [], color=colour, lw=width, label=name)
         for name, colour, width in _DRIVERS.values()
@@ -174,9 +179,13 @@ def _handles(without: Array | None, *, run_moving: bool) -> list[Any]:
     handles.append(Line2D([], [], color=palette.GREEN, ls=(0, (5, 2)), label="zone at rest"))
     if without is not None:
         handles.append(Line2D([], [], color=palette.INK, ls=(0, (2, 2)), label="without the zone"))
-    if run_moving:
+    if any(run.scene.world.moving for run in runs):
         handles.append(Line2D([], [], color=palette.PINK, ls=":", label="person"))
     handles.append(Patch(facecolor=palette.WALL, label="in the chair's height"))
+    if any(_is_passed_under(solid, run.scene) for run in runs for solid in run.scene.world.solids):
+        handles.append(
+            Patch(facecolor="white", edgecolor=palette.OUTLINE, hatch="//", label="passed under")
+        )
     return handles
 
 
