@@ -141,3 +141,16 @@ def test_an_unknown_driver_is_refused_with_the_known_ones(capsys, regions):
     message = capsys.readouterr().err
     assert "--driver" in message
     assert "steady" in message
+
+
+@pytest.mark.parametrize(("scene", "why"), [("narrow-door", ""), ("door", "cannot back off")])
+def test_the_assistant_says_how_the_drive_ended_for_the_driver(regions, scene, why):
+    place = load_scene(SCENES / f"{scene}.yaml")
+    way = DrivenPath.from_poses([place.start, [0.0, 0.8, 0.0]])
+    fitted = make_controller("assistant", place, way, regions=str(regions))
+    assert "the steady driver did not get there" in fitted.outcome()
+    assert fitted.outcome().endswith(why or "in the time")
+    record = simulate(place, fitted.controller, senses=fitted.senses, options=fitted.options)
+    assert record.duration < 10.0
+    assert "within 350 mm of the end of their way" in fitted.outcome()
+    assert "the goal asks for 50 mm and 3 degrees" in fitted.outcome()
