@@ -145,7 +145,6 @@ class Persistence:
     def _try_something_else(self, time: float) -> None:
         """Keep to the other side; after that go round on it, every second time wider."""
         self._changes += 1
-        self._retreats = 0
         self.side = -self.side
         self.keeps_side_until = time + 0.5 * self._chosen.change
         width = self._chosen.detour * (self._changes // 2)

@@ -32,8 +32,8 @@ of the sensors does in every direction. A guard must be told, see `GuardOptions.
 _BAND = (0.1, 0.2)  # m: that of the map in which the scanners look
 _PIXELS = (320, 240)
 _RATE, _LATENCY = 10.0, 0.06  # Hz, s: of the camera
-_REACH = 2.5  # m: returns from further away err by more than a cell of the map
-_GRID = Grid(x_from=0.8, x_to=_REACH + 0.4)  # what the camera looks for obstacles in
+_DEEP = 2.5  # m: returns from further away err by more than a cell of the map
+_GRID = Grid(x_from=0.8, x_to=_DEEP + 0.4)  # what the camera looks for obstacles in
 
 
 class Silenced:
@@ -62,14 +62,24 @@ class Silenced:
         return replace(self._last, points=points, unknown=transform(moved, self._last.unknown))
 
 
+def fitted_camera(faults: Faults | None = None) -> FittedCamera:
+    """Return a depth camera 57 degrees wide and 2.5 m deep, 320 x 240 pixels, 10 times a second.
+
+    Args:
+        faults: What goes wrong with it.
+    """
+    camera = replace(kinect(CAMERA, width=_PIXELS[0], height=_PIXELS[1]), furthest=_DEEP)
+    schedule = Schedule(rate=_RATE, latency=_LATENCY, faults=Faults() if faults is None else faults)
+    return FittedCamera(DepthSensor(camera), ObstacleFinder(camera, _GRID), schedule)
+
+
 def lasers_and_camera(
     scene: Scene, *, faults: Faults | None = None, rng: np.random.Generator | None = None
 ) -> Vacated:
     """Return scanners on two corners and a depth camera, and the map that remembers.
 
     The scanners see all around at 0.12 m, 12.5 times a second; the camera sees what hangs and
-    what lies, 57 degrees wide and 2.5 m deep, 320 x 240 pixels, 10 times a
-    second.
+    what lies.
 
     Args:
         scene: World, chair, and where it starts.
@@ -77,14 +87,11 @@ def lasers_and_camera(
         rng: Source of their noise and faults.
     """
     found = Faults() if faults is None else faults
-    whole = kinect(CAMERA, width=_PIXELS[0], height=_PIXELS[1])
-    camera = replace(whole, furthest=_REACH)
     scanners = on_corners(scene.vehicle)
     fitted = [FittedLaser(scanner, Schedule(faults=found)) for scanner in scanners]
-    schedule = Schedule(rate=_RATE, latency=_LATENCY, faults=found)
-    seeing = FittedCamera(DepthSensor(camera), ObstacleFinder(camera, _GRID), schedule)
+    seeing = fitted_camera(found)
     senses = ChairSenses(scene, [*fitted, seeing], reach=REACH, rng=rng)
-    return Vacated(senses, camera, _BAND, seeing.name)
+    return Vacated(senses, seeing.sensor.camera, _BAND, seeing.name)
 
 
 def _ideal(scene: Scene, silent: tuple[Spell, ...]) -> Senses:

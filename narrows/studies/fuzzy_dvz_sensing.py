@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
 from ..errors import StudyError
-from ..perception.camera import Mounting
-from ..perception.obstacles import ObstacleFinder
-from ..perception.surroundings import Grid
 from ..scene import Scene
 from ..simulation.chair_senses import ChairSenses
-from ..simulation.depth_sensor import DepthSensor, kinect
-from ..simulation.fitted_sensors import FittedCamera, FittedLaser, FittedSensor, Schedule
-from ..simulation.laser import front_and_rear
+from ..simulation.fitted_sensors import FittedLaser
+from ..simulation.laser import on_corners
+from ..simulation.named_senses import REACH, fitted_camera, lasers_and_camera
+from ..simulation.senses import Senses
 from .case import Case, Scalar
 from .fuzzy_dvz_runs import DRIVE, drive, row_of
 from .fuzzy_dvz_scenes import PAPER_SCENES
@@ -25,13 +21,8 @@ from .fuzzy_dvz_scenes import PAPER_SCENES
 SENSED = ("two lasers", "two lasers and a depth camera", "a depth camera")
 """What the chair carries; each with the map that remembers what leaves the view."""
 
-CAMERA = Mounting(height=1.0, tilt=math.radians(25.0))
-"""Of the depth camera, 57 degrees wide; 320 x 240 pixels at 10 Hz."""
 
-_REACH = 3.7  # m: as far as the map tells in every direction
-
-
-def senses_of(scene: Scene, kind: str, rng: np.random.Generator) -> ChairSenses:
+def senses_of(scene: Scene, kind: str, rng: np.random.Generator) -> Senses:
     """Return a chair's senses.
 
     Args:
@@ -39,17 +30,14 @@ def senses_of(scene: Scene, kind: str, rng: np.random.Generator) -> ChairSenses:
         kind: One of `SENSED`.
         rng: Source of their noise.
     """
-    if kind not in SENSED:
-        raise StudyError("no such senses", value=kind, allowed=", ".join(SENSED))
-    fitted: list[FittedSensor[Any]] = []
-    if "lasers" in kind:
-        fitted += [FittedLaser(scanner) for scanner in front_and_rear(scene.vehicle)]
-    if "camera" in kind:
-        camera = kinect(CAMERA, width=320, height=240)
-        finder = ObstacleFinder(camera, Grid(x_from=0.8, x_to=4.4))
-        schedule = Schedule(rate=10.0, latency=0.06)
-        fitted.append(FittedCamera(DepthSensor(camera), finder, schedule))
-    return ChairSenses(scene, fitted, reach=_REACH, rng=rng)
+    if kind == "two lasers":
+        lasers = [FittedLaser(scanner) for scanner in on_corners(scene.vehicle)]
+        return ChairSenses(scene, lasers, reach=REACH, rng=rng)
+    if kind == "two lasers and a depth camera":
+        return lasers_and_camera(scene, rng=rng)
+    if kind == "a depth camera":
+        return ChairSenses(scene, [fitted_camera()], reach=REACH, rng=rng)
+    raise StudyError("no such senses", value=kind, allowed=", ".join(SENSED))
 
 
 def sensing_case(case: Case, rng: np.random.Generator) -> Mapping[str, Scalar]:
@@ -57,4 +45,4 @@ def sensing_case(case: Case, rng: np.random.Generator) -> Mapping[str, Scalar]:
     scene = PAPER_SCENES[str(case["scene"])]()
     senses = senses_of(scene, str(case["senses"]), rng)
     options = replace(DRIVE, time_limit=120.0)
-    return row_of(drive(scene, senses=senses, reach=_REACH, options=options))
+    return row_of(drive(scene, senses=senses, reach=REACH, options=options))
