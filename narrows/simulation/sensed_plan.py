@@ -181,13 +181,16 @@ class _Journey:
 
     def _planned(self, space: SensedSpace, goal: Goal) -> tuple[Plan | None, str]:
         """Return a plan whose motion is proven clear of every cell that is not seen to be free."""
-        leg = self._plan_in(space.cautious, goal)
-        if leg.trajectory is None:
-            return None, leg.reason
-        proof = certify(space.exact, self._scene.vehicle, leg.trajectory.path)
-        if not proof.is_clear:
-            return None, f"a leg is not clear of what was sensed: {proof.reason}"
-        return leg, leg.reason
+        reason = ""
+        for wider in (0.0, space.cell):  # the outlines planned with are smoother than the cells
+            leg = self._plan_in(space.cautious, goal, wider=wider)
+            if leg.trajectory is None:
+                return None, reason or leg.reason
+            proof = certify(space.exact, self._scene.vehicle, leg.trajectory.path)
+            if proof.is_clear:
+                return leg, leg.reason
+            reason = f"the way planned is not clear of what was sensed: {proof.reason}"
+        return None, reason
 
     def _plan_in(self, world: World, goal: Goal, *, wider: float = 0.0) -> Plan:
         margin = self._scene.margin + wider

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
+from matplotlib.patches import Circle, Patch
 
 from narrows.interfaces import PlanStatus
 from narrows.scene import Scene
@@ -46,15 +46,16 @@ def sensed_figure(scene: Scene, outcome: SensedPlan) -> Figure:
     box = view_box(scene, paths)
     shape = (box[3] - box[1]) / (box[2] - box[0])
     with matplotlib.rc_context(study_style()):
-        height = min(rows * ((12.0 / columns - 0.6) * shape + 0.8) + 1.2, 24.0)
-        figure = new_figure(12.0, height)
+        title = _title(scene, outcome)
+        height = rows * ((12.0 / columns - 0.6) * shape + 0.8) + 1.2 + 0.2 * title.count("\n")
+        figure = new_figure(12.0, min(height, 24.0))
         panels = figure.subplots(rows, columns, squeeze=False).ravel()
         for axes, index in zip(panels, chosen.tolist(), strict=False):
             _draw_view(axes, scene, outcome.views[index], index, box)
         _draw_truth(panels[len(chosen)], scene, outcome, box)
         for axes in panels[len(chosen) + 1 :]:
             axes.set_axis_off()
-        figure.suptitle(_title(scene, outcome))
+        figure.suptitle(title, fontsize=11)
         figure.legend(handles=_legend(), loc="outside lower center", ncols=5, fontsize=9)
     return figure
 
@@ -114,14 +115,24 @@ def _draw_view(axes: Axes, scene: Scene, view: View, index: int, box: ViewBox) -
 
 
 def _draw_truth(axes: Axes, scene: Scene, outcome: SensedPlan, box: ViewBox) -> None:
-    """Draw the true world and the whole motion, if it is certified."""
+    """Draw the true world, those who move in it, and the motion: certified, or what was refused."""
     draw_world(axes, scene, box)
     draw_ends(axes, scene)
+    for solid in scene.world.moving:
+        axes.plot(*solid.path[:, 1:].T, color=palette.INK, linestyle=":", linewidth=1.5, zorder=4)
+        place = (float(solid.path[0, 1]), float(solid.path[0, 2]))
+        axes.add_patch(Circle(place, solid.radius, facecolor=palette.INK, alpha=0.5, zorder=4))
     trajectory, certificate = outcome.plan.trajectory, outcome.plan.certificate
-    title = "the true world"
+    legs = [v.leg.path for v in outcome.views if v.leg is not None and v.leg.path is not None]
+    title, fault = "the true world", ""
     if trajectory is not None and certificate is not None:
-        draw_motion(axes, scene.vehicle, trajectory.path, fault="")
+        legs = [trajectory.path]
         title += f": clear by {1e3 * certificate.clearance:.0f} mm"
+    elif legs:
+        fault = "not certified"
+        title += f": {fault}"
+    for path in legs:
+        draw_motion(axes, scene.vehicle, path, fault=fault)
     for view in outcome.views:
         axes.plot(*view.space.pose[:2], "o", color=palette.START, markersize=6, zorder=6)
     _frame(axes, title, box)
