@@ -47,10 +47,10 @@ def run_view(
         folder=Path.cwd(),
         commanded=CommandControllers(others, make_controller),
     )
-    say(f"serving {page.url} - press Ctrl-C to end")
-    if open_browser:
-        webbrowser.open(page.url)
     try:
+        say(f"serving {page.url} - press Ctrl-C to end")
+        if open_browser:
+            webbrowser.open(page.url)
         page.wait()
     except KeyboardInterrupt:
         say("ended")

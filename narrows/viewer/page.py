@@ -23,6 +23,7 @@ from .page_state import SceneState
 from .page_work import WARM
 
 _VIEW = 1.0  # s a browser has to draw what it was sent, before planning warms up
+_LOOK = 0.25  # s between looks for Ctrl-C
 LOOPBACK = ("localhost", "127.0.0.1", "::1")
 
 _log = logging.getLogger(__name__)
@@ -77,8 +78,12 @@ class Page:
         self.url = f"http://{shown}:{self._server.get_port()}"
 
     def wait(self) -> None:
-        """Serve until stopped."""
-        self._ended.wait()
+        """Serve until stopped.
+
+        A signal that another thread happens to receive does not end a wait; so it is a short one.
+        """
+        while not self._ended.wait(_LOOK):
+            pass
 
     def stop(self) -> None:
         """End all work and the server."""

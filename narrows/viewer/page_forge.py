@@ -7,6 +7,7 @@ this one starts warm, and can be killed at any moment without harm to the next.
 from __future__ import annotations
 
 import multiprocessing
+import os
 import signal
 from collections.abc import Callable
 from multiprocessing.connection import Connection, wait
@@ -44,6 +45,8 @@ def forge(server: Connection, warm: tuple[Work, ...]) -> None:
             job, the others while nothing is asked for.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the page's own process ends this one
+    if hasattr(os, "setpgrp"):
+        os.setpgrp()
     started: dict[int, tuple[BaseProcess, Connection]] = {}
     readers: dict[Connection, int] = {}
     left = list(warm)
@@ -78,6 +81,18 @@ def forge(server: Connection, warm: tuple[Work, ...]) -> None:
                     _tell(started[number][1], work)
             else:
                 raise ShapeError(f"no such order: {order}")
+
+
+def end_group(process: BaseProcess) -> None:
+    """End a forge and all its jobs at once, whatever they are at."""
+    if process.pid is None:
+        return
+    try:
+        if hasattr(os, "killpg"):
+            os.killpg(process.pid, signal.SIGKILL)
+    except ProcessLookupError:
+        pass  # it has ended, or has not come so far as to lead a group
+    process.kill()
 
 
 def _next_order(server: Connection) -> tuple[str, int, Any, tuple[Any, ...]]:

@@ -13,10 +13,10 @@ from collections.abc import Callable, Sequence
 from multiprocessing.process import BaseProcess
 from typing import Any
 
-from .page_forge import forge
+from .page_forge import end_group, forge
 from .page_report import Told, Work
 
-_PATIENCE = 5.0  # s the forge has to end by itself
+_PATIENCE = 5.0  # s the forge has to end
 _GONE = Told("broken", "the process that plans has ended: start the page again")
 
 
@@ -105,10 +105,8 @@ class JobRunner:
             self._listeners.clear()
             if self._forge is None:
                 return
-            self._send("stop", 0, None, ())
+        end_group(self._forge)
         self._forge.join(timeout=_PATIENCE)
-        if self._forge.is_alive():
-            self._forge.kill()
 
     def _send(self, *order: Any) -> bool:
         """Send an order to the forge and return whether it is there."""

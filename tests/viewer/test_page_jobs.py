@@ -28,7 +28,7 @@ def broken(report):
 
 
 def endless(report):
-    report("begun")
+    report(os.getpid())
     while True:
         time.sleep(0.01)
 
@@ -74,7 +74,7 @@ def test_a_process_that_dies_is_told_and_the_next_works(runner, told):
 
 def test_a_cancelled_job_is_heard_of_no_more(runner, told):
     job = runner.start(endless, heard=told.put)
-    assert told.get(timeout=PATIENCE).value == "begun"
+    assert told.get(timeout=PATIENCE).kind == "progress"
     job.cancel()
     job.cancel()  # twice does no harm
     later = queue.Queue()
@@ -95,3 +95,22 @@ def test_a_closed_runner_says_that_it_is():
     answers = []
     runner.start(doubled, 1, heard=answers.append).cancel()
     assert answers[0].kind == "broken"
+
+
+def test_closing_ends_what_never_ends_by_itself(told):
+    runner = JobRunner()
+    runner.start(endless, heard=told.put)
+    process = told.get(timeout=PATIENCE).value
+    runner.close()
+    end = time.monotonic() + PATIENCE
+    while is_alive(process) and time.monotonic() < end:
+        time.sleep(0.01)
+    assert not is_alive(process)
+
+
+def is_alive(process):
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    return True
