@@ -111,10 +111,15 @@ def assisted_chair(
     scene: Scene,
     driver: Driver,
     stick: Stick,
-    sensors: ChairSenses,
+    sensors: ChairSenses | None,
     *,
     regions: SafetyRegions | None,
     senses: Senses | None = None,
+    options: AssistantOptions | None = None,
+    through_doors: bool = True,
+    unknown_is_free: bool = True,
+    plant: PlantOptions | None = None,
+    time_limit: float = _LONGEST,
 ) -> AssistedChair:
     """Return the chair with its driver, with the assistant or with the limits of motion alone.
 
@@ -122,22 +127,33 @@ def assisted_chair(
         scene: Its chair.
         driver: Who drives.
         stick: What they hold.
-        sensors: The chair's scanners.
+        sensors: The chair's scanners; None: it has none, and no assistant.
         regions: Safety regions of the chair; None: the driver is alone.
         senses: What passes on what the scanners perceive; None: they themselves.
+        options: Of the assistant, for a control period of `PERIOD`.
+        through_doors: Whether it also helps along certified paths through doors it senses.
+        unknown_is_free: Whether it takes for free what nothing is known of.
+        plant: How the chair differs from its commands; default a good chair.
+        time_limit: When the drive is broken off [s].
     """
     doors = None
     mover: Assistant | SmoothMotion = SmoothMotion(MotionLimits.of(scene.vehicle), period=PERIOD)
-    if regions is not None:
-        doors = DoorSense(sensors)
-        blend = DoorBlend(CertifiedDoorPaths(scene.vehicle))
-        options = AssistantOptions(period=PERIOD)
+    if regions is not None and sensors is not None:
+        blend = None
+        if through_doors:
+            doors, blend = DoorSense(sensors), DoorBlend(CertifiedDoorPaths(scene.vehicle))
+        options = AssistantOptions(period=PERIOD) if options is None else options
         mover = Assistant(scene.vehicle, regions, options, door_blend=blend)
-    seat = Seat(UnknownIsFree(sensors if senses is None else senses))
+    seen = sensors if senses is None else senses
+    seat = Seat(UnknownIsFree(seen) if seen is not None and unknown_is_free else seen)
     return AssistedChair(
         AssistedDriving(driver, stick, seat, mover, doors=doors),
         seat,
         SimulationOptions(
-            localisation=EncoderOdometry(), step=0.025, period=PERIOD, time_limit=_LONGEST
+            PlantOptions() if plant is None else plant,
+            EncoderOdometry(),
+            step=0.025,
+            period=PERIOD,
+            time_limit=time_limit,
         ),
     )

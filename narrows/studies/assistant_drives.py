@@ -12,15 +12,12 @@ import numpy as np
 
 from ..errors import StudyError
 from ..perception.map_options import MapOptions
-from ..reactive.assistant import Assistant
 from ..reactive.assistant_options import AssistantOptions
-from ..reactive.door_blend import DoorBlend
 from ..reactive.safety_regions import RegionOptions, SafetyRegions
 from ..reactive.safety_regions_file import FORMAT
-from ..reactive.smooth_motion import MotionLimits, SmoothMotion
+from ..reactive.smooth_motion import MotionLimits
 from ..scene import Scene, load_vehicle
-from ..simulation.assisted_driving import AssistedDriving, Seat, UnknownIsFree
-from ..simulation.assisted_driving_doors import CertifiedDoorPaths, DoorSense
+from ..simulation.assisted_chair import PERIOD, assisted_chair
 from ..simulation.chair_senses import ChairSenses
 from ..simulation.driver_hostile import HostileDriver
 from ..simulation.driver_route import Route
@@ -31,15 +28,11 @@ from ..simulation.drivers import Driver, ScriptedDriver
 from ..simulation.fitted_sensors import Faults, FittedLaser, Schedule
 from ..simulation.judge import Judgement, judge
 from ..simulation.laser import LaserManners, front_and_rear
-from ..simulation.localisation import EncoderOdometry
 from ..simulation.plant import PlantOptions
 from ..simulation.record import Record
-from ..simulation.simulator import SimulationOptions, simulate
+from ..simulation.simulator import simulate
 from .assistant_course import course_routes, course_scene
 from .case import Case, Scalar
-
-PERIOD = 0.05
-"""Control period of all drives [s]."""
 
 DEVICES = ("joystick", "head-joystick")
 """Input devices, as in the paper."""
@@ -51,7 +44,6 @@ PLANT = PlantOptions(slip=0.01, left_radius_error=0.002)
 """The chair of all drives: motors with a lag of 0.05 s, wheels that slip and differ a little."""
 
 _HOSTILE_TIME = 40.0  # s: as long a hostile driver is let loose
-_STEP = 0.025  # s: of the physics
 _SIDE = 7.5  # m: of the map, as in [DrivingAssistant, Section III-A]
 _CELL = 0.02  # m
 _BANDS = (0.025, 0.3)  # m: the scanners' height lies in the one band there is
@@ -176,27 +168,22 @@ def drive_with(
         streams: Sources of what is random in the sensors and in the chair.
     """
     of_sensors, of_plant = streams
-    limits = MotionLimits.of(scene.vehicle)
-    stick = make_stick(conditions.device, limits)
-    seat, doors = Seat(), None
-    mover: Assistant | SmoothMotion = SmoothMotion(limits, period=PERIOD)
-    if conditions.assisted:
-        senses = scanners(scene, conditions.faults, of_sensors)
-        seat = Seat(UnknownIsFree(senses) if conditions.unknown_is_free else senses)
-        blend = None
-        if conditions.through_doors:
-            doors = DoorSense(senses)
-            blend = DoorBlend(CertifiedDoorPaths(scene.vehicle))
-        mover = Assistant(scene.vehicle, regions, conditions.options, door_blend=blend)
-    options = SimulationOptions(
-        conditions.plant,
-        EncoderOdometry(),
-        step=_STEP,
-        period=PERIOD,
+    assisted = conditions.assisted
+    chair = assisted_chair(
+        scene,
+        driver,
+        make_stick(conditions.device, MotionLimits.of(scene.vehicle)),
+        scanners(scene, conditions.faults, of_sensors) if assisted else None,
+        regions=regions if assisted else None,
+        options=conditions.options,
+        through_doors=conditions.through_doors,
+        unknown_is_free=conditions.unknown_is_free,
+        plant=conditions.plant,
         time_limit=conditions.time_limit,
     )
-    controller = AssistedDriving(driver, stick, seat, mover, doors=doors)
-    return simulate(scene, controller, senses=seat, options=options, rng=of_plant)
+    return simulate(
+        scene, chair.controller, senses=chair.senses, options=chair.options, rng=of_plant
+    )
 
 
 def scanners(scene: Scene, faults: Faults, rng: np.random.Generator) -> ChairSenses:

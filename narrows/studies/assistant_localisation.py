@@ -11,13 +11,14 @@ import shapely
 
 from ..perception.ranges import LaserScan
 from ..se2 import Array
+from ..simulation.assisted_chair import PERIOD
 from ..simulation.grid_mapping import GridMap, GridMapper
 from ..simulation.laser import LaserManners, LaserScanner, front_and_rear
 from ..simulation.particle_filter import ParticleFilter
 from ..simulation.record import Record
 from ..simulation.surfaces import SensedWorld
 from .assistant_course import BOUNDS, course_routes, course_scene
-from .assistant_drives import PERIOD, Conditions, drive, regions_of
+from .assistant_drives import Conditions, drive, regions_of
 from .case import Case, Scalar
 
 CELL = 0.02
