@@ -1,10 +1,7 @@
 """The study of perception: simulated frames by default, a folder's when there is one."""
 
-import json
-
 import numpy as np
 import pytest
-from PIL import Image
 
 from narrows.errors import StudyError
 from narrows.studies import run
@@ -24,17 +21,10 @@ def test_simulated_frames_show_the_chain_taking_obstacles_away(tmp_path, monkeyp
 
 
 @pytest.mark.slow
-def test_a_folder_of_frames_is_read_and_its_reference_shown(tmp_path):
-    folder = tmp_path / "frames"
-    folder.mkdir()
-    frame = load_frame("cartons", None)
-    Image.fromarray(frame.depth).save(folder / "rgrgb.png")
-    lens = frame.camera.intrinsics
-    four = {"fx_fy_cx_cy": [lens.fx, lens.fy, lens.cx, lens.cy]}
-    (folder / "intrinsics.json").write_text(json.dumps({"rgrgb": four}))
-    again = load_frame("rgrgb", folder)
-    assert np.array_equal(again.depth, frame.depth)
-    assert "64508" in run("perception", tmp_path / "out", data=folder).text
+def test_a_folder_of_frames_is_read_and_its_counts_shown(tmp_path, frames_folder):
+    again = load_frame("rgrgb", frames_folder)
+    assert np.array_equal(again.depth, load_frame("cartons", None).depth)
+    assert "64508" in run("perception", tmp_path / "out", data=frames_folder).text
 
 
 @pytest.mark.slow

@@ -1,6 +1,5 @@
 """The study of sensing: one drive, its pictures, and what the map knew against the truth."""
 
-import json
 from dataclasses import replace
 
 import numpy as np
@@ -13,7 +12,6 @@ from narrows.scene import Goal, Scene
 from narrows.simulation.depth_sensor import DepthSensor, kinect
 from narrows.simulation.surfaces import SensedWorld
 from narrows.studies import run
-from narrows.studies.perception_frames import load_frame
 from narrows.studies.sensing import CAUSES, why_missing
 from narrows.studies.sensing_drive import MOUNTED, Moment, against_truth, living_room
 from narrows.vehicle import Vehicle
@@ -21,15 +19,8 @@ from narrows.world import MovingSolid, Solid, World
 
 
 @pytest.mark.slow
-def test_the_study_draws_frame_cloud_and_map_and_the_map_frees_no_solid(tmp_path):
-    folder = tmp_path / "frames"
-    folder.mkdir()
-    frame = load_frame("cartons", None)
-    Image.fromarray(frame.depth).save(folder / "rgrgb.png")
-    lens = frame.camera.intrinsics
-    four = {"fx_fy_cx_cy": [lens.fx, lens.fy, lens.cx, lens.cy]}
-    (folder / "intrinsics.json").write_text(json.dumps({"rgrgb": four}))
-    text = run("sensing", tmp_path / "out", data=str(folder)).text
+def test_the_study_draws_frame_cloud_and_map_and_the_map_frees_no_solid(tmp_path, frames_folder):
+    text = run("sensing", tmp_path / "out", data=str(frames_folder)).text
     names = ("frame.png", "cloud.png", "map.png", "real-rgrgb-cloud.png", "real-rgrgb-map.png")
     for name in names:
         with Image.open(tmp_path / "out" / name) as image:
