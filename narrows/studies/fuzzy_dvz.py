@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 from itertools import product
 from pathlib import Path
 
 from .case import CaseFunction
-from .fuzzy_dvz_figures import draw
+from .fuzzy_dvz_figures import DRAWN, draw
 from .fuzzy_dvz_printed import VARIANTS
 from .fuzzy_dvz_report import (
     clutter_text,
@@ -46,6 +46,17 @@ ODD = (
     "glass table, not at all",
 )
 
+_SECTIONS = (
+    ("paper", paper_text),
+    ("clutter", clutter_text),
+    ("people", people_text),
+    ("sensed", sensed_text),
+    ("odd", odd_text),
+    ("dropouts", dropout_text),
+    ("clutter", printed_text),
+)
+"""The report: which table each section is about."""
+
 
 def run(
     out: Path,
@@ -59,12 +70,14 @@ def run(
     told: int = 20,
     silent: int = 40,
     senses: Sequence[str] = SENSED,
+    scenes: Sequence[str] = tuple(PAPER_SCENES),
+    odd: Sequence[str] = ODD,
+    drawn: int = DRAWN,
 ) -> str:
     """Run the study into a folder and return its report.
 
-    Writes `paper.csv`, `clutter.csv`, `people.csv`, `odd.csv`, `dropouts.csv`,
-    `sensed.csv` and a figure of each
-    of the paper's runs and of some random worlds.
+    Writes `paper.csv`, `clutter.csv`, `people.csv`, `odd.csv`, `dropouts.csv`, `sensed.csv` and a
+    figure of each of the paper's runs and of some random worlds.
 
     Args:
         out: Folder.
@@ -77,34 +90,42 @@ def run(
         told: Of the peopled worlds, again with velocities known.
         silent: Of the cluttered worlds, again with senses that go silent.
         senses: What the chair carries in the paper's runs, some of `SENSED`.
+        scenes: The paper's runs, some of `PAPER_SCENES`.
+        odd: Some of `ODD`.
+        drawn: Of the cluttered worlds, in a figure.
     """
     table = partial(_table, out, jobs=jobs, resume=resume, seed=seed)
-    paper_cases = _each("scene", PAPER_SCENES, "variant", (GUARDED, BLIND, *VARIANTS))
-    paper = table("paper", paper_case, paper_cases, ("scene", "variant"))
-    worlds_cases = _clutter(worlds, compared, seed)
-    clutter = table("clutter", clutter_case, worlds_cases, ("world", "variant"))
-    people = table("people", people_case, _people(peopled, told, seed), ("world", "knows"))
-    odd = table("odd", odd_case, [{"case": name} for name in ODD], ("case",))
+    variants = (GUARDED, BLIND, *VARIANTS)
     silences: list[_Case] = [{"world": k, "base": seed} for k in range(silent)]
-    dropouts = table("dropouts", dropout_case, silences, ("world",))
-    sensed_cases = _each("scene", PAPER_SCENES, "senses", senses)
-    sensed = table("sensed", sensing_case, sensed_cases, ("scene", "senses"))
-    draw(out, seed)
-    parts = [
-        "# Fuzzy rules and a deformable zone, again",
-        paper_text(paper.done),
-        clutter_text(clutter.done),
-        people_text(people.done),
-        sensed_text(sensed.done),
-        odd_text(odd.done),
-        dropout_text(dropouts.done),
-        printed_text(clutter.done),
-    ]
-    failed = [
-        str(row["reason"])
-        for one in (paper, clutter, people, odd, dropouts, sensed)
-        for row in one.failed.rows
-    ]
+    found = {
+        "paper": table(
+            "paper",
+            paper_case,
+            _each("scene", scenes, "variant", variants),
+            ("scene", "variant"),
+        ),
+        "clutter": table(
+            "clutter", clutter_case, _clutter(worlds, compared, seed), ("world", "variant")
+        ),
+        "people": table("people", people_case, _people(peopled, told, seed), ("world", "knows")),
+        "odd": table("odd", odd_case, [{"case": name} for name in odd], ("case",)),
+        "dropouts": table("dropouts", dropout_case, silences, ("world",)),
+        "sensed": table(
+            "sensed",
+            sensing_case,
+            _each("scene", scenes, "senses", senses),
+            ("scene", "senses"),
+        ),
+    }
+    draw(out, seed, scenes, drawn)
+    return _report(found)
+
+
+def _report(found: Mapping[str, Table]) -> str:
+    """Return the report on the tables by their names."""
+    parts = ["# Fuzzy rules and a deformable zone, again"]
+    parts += [text(found[name].done) for name, text in _SECTIONS]
+    failed = [str(row["reason"]) for table in found.values() for row in table.failed.rows]
     if failed:
         parts.append("## Failed cases\n\n" + "\n".join(failed))
     return "\n\n".join(parts) + "\n"

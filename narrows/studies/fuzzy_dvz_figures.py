@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,7 @@ from ..reactive.zone_shape import ZoneShape
 from .fuzzy_dvz_runs import BLIND, Drive, drive, guarded_options
 from .fuzzy_dvz_scenes import PAPER_SCENES, cluttered
 
-SHOWN = 6
+DRAWN = 6
 """Random worlds in the figure of them."""
 
 
@@ -23,12 +24,14 @@ def file_of(name: str) -> str:
     return name.replace(", ", "-").replace(" ", "-") + ".png"
 
 
-def draw(out: Path, seed: int) -> None:
+def draw(out: Path, seed: int, names: Sequence[str], worlds: int) -> None:
     """Draw the paper's runs, and some random worlds, into a folder.
 
     Args:
         out: Folder.
         seed: Of the random worlds.
+        names: Of the paper's runs.
+        worlds: Number of random worlds.
     """
     from ..viewer.fuzzy_dvz_pictures import DrawnRun, run_figure, worlds_figure
     from ..viewer.pictures import save_picture
@@ -38,14 +41,14 @@ def draw(out: Path, seed: int) -> None:
         return DrawnRun(title, found.reason, found.scene, found.record, shape.section(0.0))
 
     thresholds = guarded_options().thresholds
-    for name, make in PAPER_SCENES.items():
-        scene = make()
+    for name in names:
+        scene = PAPER_SCENES[name]()
         figure = run_figure(
             drawn(name, drive(scene)),
             thresholds=(thresholds.leave, thresholds.enter),
             without=drive(scene, BLIND).record.poses,
         )
         save_picture(figure, str(out / file_of(name)))
-    scenes = [cluttered(np.random.default_rng([seed, k])) for k in range(SHOWN)]
-    worlds = [drawn(f"world {k}", drive(scene)) for k, scene in enumerate(scenes)]
-    save_picture(worlds_figure(worlds), str(out / "worlds.png"))
+    scenes = [cluttered(np.random.default_rng([seed, k])) for k in range(worlds)]
+    runs = [drawn(f"world {k}", drive(scene)) for k, scene in enumerate(scenes)]
+    save_picture(worlds_figure(runs), str(out / "worlds.png"))

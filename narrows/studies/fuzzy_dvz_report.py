@@ -11,7 +11,7 @@ import numpy as np
 from .fuzzy_dvz_figures import file_of
 from .fuzzy_dvz_printed import VARIANTS
 from .fuzzy_dvz_runs import BLIND, GUARDED
-from .fuzzy_dvz_scenes import KINDS, PAPER_SCENES
+from .fuzzy_dvz_scenes import KINDS
 from .report import markdown_table
 from .statistics import wilson_interval
 from .table import Table
@@ -42,7 +42,8 @@ def paper_text(table: Table) -> str:
     good = sum(row["outcome"] == "arrived" for row in rows)
     blind = table.where(variant=BLIND).rows
     hit = sum(row["outcome"] == "collision" for row in blind)
-    figures = "\n\n".join(f"![{name}]({file_of(name)})" for name in PAPER_SCENES)
+    names = [str(row["scene"]) for row in rows]
+    figures = "\n\n".join(f"![{name}]({file_of(name)})" for name in names)
     return (
         "## The paper's runs\n\n"
         "A chair of 1.0 x 0.65 x 1.0 m, as high as the paper's zone; places beside the way are "
