@@ -18,13 +18,14 @@ from ..errors import ShapeError
 from ..interfaces import Percept
 from ..se2 import Array, rotate, transform
 from ..vehicle import Vehicle
-from .deformable_zone import DeformableZone, Deformation, RayGrid, ZoneGains, zone_law
+from .deformable_zone import DeformableZone, Deformation, RayGrid
 from .fuzzy import FuzzyGoalController, polar_error
 from .fuzzy_table import DERIVED, RuleTable
 from .navigator_guard import Guard
 from .navigator_guard_options import GuardOptions
 from .navigator_persistence import Persistence, PersistenceOptions
 from .switching import Active, Switch, Thresholds
+from .zone_law import ZoneGains, zone_law
 from .zone_shape import ZoneShape
 
 Velocities = Callable[[float, Array], Array]

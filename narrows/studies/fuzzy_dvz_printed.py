@@ -16,9 +16,10 @@ from numpy.typing import ArrayLike
 
 from ..errors import StudyError
 from ..interfaces import Percept
-from ..reactive.deformable_zone import DeformableZone, RayGrid, ZoneGains, zone_law
+from ..reactive.deformable_zone import DeformableZone, RayGrid
 from ..reactive.fuzzy import FuzzyGoalController, polar_error
 from ..reactive.switching import Active, Switch, Thresholds
+from ..reactive.zone_law import ZoneGains, zone_law
 from ..reactive.zone_shape import ZoneShape
 from ..se2 import Array
 from ..vehicle import Vehicle

@@ -13,9 +13,8 @@ from narrows.reactive.deformable_zone import (
     DeformableZone,
     Deformation,
     RayGrid,
-    ZoneGains,
-    zone_law,
 )
+from narrows.reactive.zone_law import ZoneGains, zone_law
 from narrows.reactive.zone_shape import ZoneShape
 from narrows.vehicle import Layer, Vehicle
 
