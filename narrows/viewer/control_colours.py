@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import html
+from collections.abc import Mapping
+from enum import IntEnum
+
+from narrows.se2 import Array
 
 from . import palette
 
@@ -29,3 +33,20 @@ def state_chip(state: str) -> str:
     looks = f"background:{state_colour(state)};color:#fff;padding:0 6px;border-radius:3px"
     looks += ";display:inline-block"  # never broken between two lines
     return f'<b style="{looks}">{html.escape(state)}</b>'
+
+
+def states_told(signals: Mapping[str, Array]) -> tuple[str, ...]:
+    """Return who was in control at each row of a controller's signals; empty: it tells of nobody.
+
+    Args:
+        signals: Values of each signal, shape (N,).
+    """
+    from narrows.reactive.assistant_options import AssistantState
+    from narrows.reactive.switching import Active
+
+    told: dict[str, type[IntEnum]] = {"active": Active, "state": AssistantState}
+    for signal, kind in told.items():
+        if signal in signals:
+            values = signals[signal].astype(int).tolist()
+            return tuple(kind(value).name.lower().replace("_", " ") for value in values)
+    return ()

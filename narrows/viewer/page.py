@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import socket
 import threading
+import warnings
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
@@ -69,6 +70,7 @@ class Page:
         check_address(host, port)
         self._runner = JobRunner(WARM)
         rich.reconfigure(quiet=True)  # what viser prints is not for the terminal of this command
+        warnings.filterwarnings("ignore", "Queued a .* on a closed connection")  # a tab was closed
         self._server = ViserServer(host=host, port=port, label="narrows", verbose=False)
         self._server.request_share_url = _refuse_sharing  # type: ignore[method-assign]
         self._dress()

@@ -192,6 +192,8 @@ def _assisted(
         watched.outline = outline
     chair = assisted_chair(scene, driver, stick, sensors, regions=regions, senses=watched)
     controller = _Told(chair.controller, speed)
+    if isinstance(driver, PageDriver):
+        driver.signals = lambda: controller.signals
     whose = f"{ALONE if alone else ASSISTANT}, {name}"
     drive = _judged(
         report, scene, controller, watched, chair.options, Drive(plan), senses=chair.senses
@@ -234,7 +236,10 @@ def _protected(report: Report, vehicle: Vehicle, before: Protected | None) -> Pr
 
     if before is not None and before.key == chair_key(vehicle):
         return before
-    return Protected(chair_key(vehicle), compute_regions(vehicle, report))
+    report("computing where this chair may get to while it brakes")
+    protected = Protected(chair_key(vehicle), compute_regions(vehicle, report))
+    report("driving")
+    return protected
 
 
 def _seated(

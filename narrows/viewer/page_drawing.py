@@ -94,8 +94,8 @@ class SceneDrawing:
     def world(self, scene: Scene) -> None:
         """Draw the floor, the walls cut at `CUT`, and the doors; not the things."""
         self.remove("world")
-        box = world_box(scene.world) or view_box(scene, [])
-        floor = flat_mesh(shapely.box(*box), -0.004)
+        shown = [shapely.box(*box) for box in (world_box(scene.world), view_box(scene, [])) if box]
+        floor = flat_mesh(shapely.box(*shapely.total_bounds(shown).tolist()), -0.004)
         self.keep("world", self.mesh("/world/floor", floor, FLOOR))
         walls = [solid for solid in scene.world.solids if not is_thing(solid)]
         if walls:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time as clock
+from collections.abc import Callable, Mapping
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -10,6 +11,7 @@ from numpy.typing import ArrayLike
 from narrows.scene import Scene
 from narrows.se2 import Array
 
+from .control_colours import states_told
 from .page_report import Report
 
 BY_HAND = "joystick of this page"
@@ -21,6 +23,9 @@ class PageDriver:
 
     A `narrows.simulation.drivers.Driver` that waits for the clock, so that a simulated second
     takes one.
+
+    Attributes:
+        signals: Returns what the controller tells that the stick goes through.
     """
 
     def __init__(self, report: Report, scene: Scene) -> None:
@@ -31,6 +36,7 @@ class PageDriver:
         self._stopped = False
         self._start = np.asarray(scene.start[:2])
         self._progress = 0.0
+        self.signals: Callable[[], Mapping[str, float]] = dict
 
     @property
     def finished(self) -> bool:
@@ -50,7 +56,9 @@ class PageDriver:
         place = np.asarray(pose, dtype=float)
         before, left = self._start - self._goal, place[:2] - self._goal
         self._progress = float(np.hypot(*before) - np.hypot(*left))
-        self._report({"time": time, "pose": place})
+        signals = {name: np.array([value]) for name, value in self.signals().items()}
+        state = next(iter(states_told(signals)), "")
+        self._report({"time": time, "pose": place, "state": state})
         held = self._report.latest()
         if held == "stop":
             self._stopped = True

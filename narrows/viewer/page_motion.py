@@ -5,21 +5,16 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from dataclasses import dataclass
-from enum import IntEnum
-from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from narrows.scene import Scene
 from narrows.se2 import Array
 from narrows.trajectory import Trajectory
 
+from .control_colours import states_told
 from .page_senses import Moment
 from .page_work import Drive, distances
-
-if TYPE_CHECKING:
-    from narrows.simulation.record import Record
 
 _ROWS = 240  # of a curve
 
@@ -113,21 +108,8 @@ def driven_motion(drive: Drive) -> Motion | None:
         curves.append(Curve("intrusion", ("of the zone",), intrusion[:, None], places=2))
     fault = "driven with contact" if judgement.collisions else ""
     times, poses = record.times[rows], record.poses[rows]
-    states = _states(record, rows)
+    states = states_told({name: values[rows] for name, values in record.signals.items()})
     return Motion("drive", times, poses, tuple(curves), fault, drive.moments, states)
-
-
-def _states(record: Record, rows: NDArray[np.int64]) -> tuple[str, ...]:
-    """Return the names of who was in control, where the controller told."""
-    from narrows.reactive.assistant_options import AssistantState
-    from narrows.reactive.switching import Active
-
-    told: dict[str, type[IntEnum]] = {"active": Active, "state": AssistantState}
-    for signal, kind in told.items():
-        if signal in record.signals:
-            values = record.signals[signal][rows].astype(int)
-            return tuple(kind(value).name.lower().replace("_", " ") for value in values.tolist())
-    return ()
 
 
 def _wheels(speeds: Array) -> Curve:

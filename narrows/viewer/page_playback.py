@@ -67,6 +67,11 @@ class Playback:
             self.slider.max = round(motion.duration, 2)
             self._follow(0.0, plots=True)
 
+    def tell(self, state: str) -> None:
+        """Say who is in control of a drive under way, that is not played yet."""
+        shown = f"in control: {state_chip(state)}" if state else ""
+        self.now.content = _boxed(shown)
+
     def play(self) -> None:
         """Play from where the slider stands; from the start if it stands at the end."""
         with self._lock:
@@ -126,8 +131,9 @@ def _now(motion: Motion, at: float) -> str:
         figures = [np.interp(at, motion.times, column) for column in curve.values.T]
         shown = " / ".join("–" if np.isnan(f) else f"{f:z.{curve.places}f}" for f in figures)
         cells.append(f"{curve.title}: <b>{shown}</b>")
-    return (
-        '<div class="narrows-now" style="margin:0 .7em .5em;font-size:12.5px;line-height:1.45">'
-        + "<br>".join(cells)
-        + "</div>"
-    )
+    return _boxed("<br>".join(cells))
+
+
+def _boxed(words: str) -> str:
+    looks = "margin:0 .7em .5em;font-size:12.5px;line-height:1.45"
+    return f'<div class="narrows-now" style="{looks}">{words}</div>'

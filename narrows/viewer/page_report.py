@@ -34,7 +34,12 @@ class Report:
         self._heard: Any = None
 
     def __call__(self, share: Any) -> None:
-        """Say how far it is: a share from 0 to 1, or anything that can be sent."""
+        """Say how far it is.
+
+        Args:
+            share: From 0 to 1; or words for what begins now; or `pose`, `time` and `state` of a
+                chair that is on its way in real time.
+        """
         if self._connection is not None:
             self._connection.send(Told("progress", share))
 

@@ -98,8 +98,9 @@ class Session:
         with tabs.add_tab("Save"):
             self.saving = SavePanel(gui, folder, self._runner, self.saved)
 
-    def _chair_seen(self, pose: Array, time: float) -> None:
-        self.stage.show_chair(pose, time)
+    def _chair_seen(self, pose: Array, time: float, state: str) -> None:
+        self.stage.show_chair(pose, time, state)
+        self.playback.tell(state)
 
     def _drive_ended(self) -> None:
         self.driving.hold_stick(on=False)

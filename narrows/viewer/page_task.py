@@ -29,7 +29,7 @@ class Task:
         guard: Guard,
         runner: JobRunner,
         say: Callable[[Words], None],
-        moved: Callable[[Any, float], None],
+        moved: Callable[[Any, float, str], None],
         ended: Callable[[], None],
     ) -> None:
         """Add bar and button, out of sight.
@@ -39,7 +39,8 @@ class Task:
             guard: Whose lock is held whenever something is called.
             runner: Runs the jobs.
             say: Says how it stands.
-            moved: Called with pose (3,) and time [s] where a chair is on its way in real time.
+            moved: Called with pose (3,), time [s] and who is in control where a chair is on its
+                way in real time.
             ended: Called when work ends, however it does.
         """
         self._guard = guard
@@ -47,6 +48,7 @@ class Task:
         self._say, self._moved, self._ended = say, moved, ended
         self._jobs: list[Job] = []
         self._asked = 0
+        self._doing = ""
         self._bar: Any = gui.add_progress_bar(0.0, visible=False, animated=True)
         self._button = gui.add_button("Cancel", color="red", visible=False)
         self._button.on_click(guard(lambda _: self.cancel()))
@@ -63,6 +65,7 @@ class Task:
         self.end()
         self._button.visible = self._bar.visible = True
         self._bar.value = 100.0
+        self._doing = words
         self._say(Words("busy", f"{words} …"))
         self._start(work, arguments, lambda told: self._hear(told, done))
         begun, number = clock.monotonic(), self._asked
@@ -73,7 +76,7 @@ class Task:
                     if number != self._asked:
                         return
                     spent = f"{clock.monotonic() - begun:.1f} s"
-                    self._say(Words("busy", f"{words} …", spent, "The page stays usable."))
+                    self._say(Words("busy", f"{self._doing} …", spent, "The page stays usable."))
                 clock.sleep(_TICK)
 
         threading.Thread(target=tick, daemon=True).start()
@@ -119,14 +122,17 @@ class Task:
         self._jobs.append(self._runner.start(work, *arguments, heard=heard))
 
     def _hear(self, told: Told, done: Done) -> None:
-        if told.kind == "progress" and isinstance(told.value, dict):
-            self._moved(told.value["pose"], float(told.value["time"]))
+        value = told.value
+        if told.kind == "progress" and isinstance(value, dict):
+            self._moved(value["pose"], float(value["time"]), str(value["state"]))
+        elif told.kind == "progress" and isinstance(value, str):
+            self._doing = value
         elif told.kind == "progress":
             self._bar.animated = False
-            self._bar.value = 100.0 * float(told.value)
+            self._bar.value = 100.0 * float(value)
         elif told.kind == "result":
             self.end()
-            done(told.value)
+            done(value)
         else:
             self.end()
-            self._say(Words("bad", "no answer", "", str(told.value)))
+            self._say(Words("bad", "no answer", "", str(value)))
