@@ -46,6 +46,12 @@ class Intrinsics:
             value = getattr(self, name)
             if not (math.isfinite(value) and value > 0):
                 raise InputError("no camera has that", field=name, value=value, allowed="> 0")
+        for name in ("width", "height"):
+            value = getattr(self, name)
+            if value != int(value):
+                raise InputError(
+                    "not a number of pixels", field=name, value=value, allowed="1, 2, …"
+                )
         for name in ("cx", "cy"):
             if not math.isfinite(getattr(self, name)):
                 raise InputError("not a place", field=name, value=getattr(self, name))
@@ -59,7 +65,13 @@ class Intrinsics:
         >>> kinect = Intrinsics.from_field_of_view(np.radians(57.0), np.radians(43.0))
         >>> round(kinect.fx, 1), round(kinect.fy, 1), kinect.cx
         (589.4, 609.3, 319.5)
+
+        Raises:
+            InputError: If an angle is not between 0 and pi.
         """
+        for name, angle in (("horizontal", horizontal), ("vertical", vertical)):
+            if not 0.0 < angle < math.pi - 1e-6:
+                raise InputError("no view", field=name, value=angle, allowed="0 to pi [rad]")
         fx = 0.5 * width / math.tan(0.5 * horizontal)
         fy = 0.5 * height / math.tan(0.5 * vertical)
         return cls(fx, fy, 0.5 * (width - 1), 0.5 * (height - 1), width, height)

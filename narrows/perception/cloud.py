@@ -91,11 +91,13 @@ def pass_through(points: Points, low: float, high: float, *, axis: int = 2) -> P
 
     Raises:
         ShapeError: If the points are not (N, 3) or not finite.
-        InputError: If there is no such axis.
+        InputError: If there is no such axis, or nothing between low and high.
     """
     rows = point_rows(points)
     if axis not in (0, 1, 2):
         raise InputError("no such axis", field="axis", value=axis, allowed="0, 1, 2")
+    if not low <= high:
+        raise InputError("nothing lies between", value=f"{low} and {high} m", allowed="low <= high")
     return _rows_within(rows, axis, np.float32(low), np.float32(high))
 
 

@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import InputError
 from ..se2 import Array
 from .compiled import compiled
 from .obstacle_map import ObstacleMap
@@ -31,7 +32,12 @@ def scan_of_map(
         heights: Of the bands looked at [m].
         beams: Number of beams.
         time: Time of the scan [s].
+
+    Raises:
+        InputError: If there are no beams.
     """
+    if beams < 1:
+        raise InputError("no beams", field="beams", value=beams, allowed=">= 1")
     x_from, _, y_from, _ = chart.extent
     cell, pose = chart.options.cell, chart.pose
     place = np.array([pose[0] - x_from, pose[1] - y_from]) / cell

@@ -37,6 +37,8 @@ from .obstacles import ObstacleFinder
 from .ranges import LaserScan, UltrasoundReadings
 from .surroundings import Cell, Sight, Surroundings
 
+_FURTHEST = 1e8  # m: from the odometry's origin; a float tells places there 15 nm apart
+
 
 class ObstacleMap:
     """What is known around a chair.
@@ -83,6 +85,7 @@ class ObstacleMap:
 
         Raises:
             ShapeError: If it is no pose, or not finite.
+            InputError: If it is 100,000 km away.
         """
         self.pose = _pose(pose)
         self._memory.follow(self.pose[:2])
@@ -193,7 +196,12 @@ class ObstacleMap:
         Args:
             reach: Distance from the body's origin up to which cells are returned [m].
             heights: Bands that lie between these are looked at, in part is enough [m].
+
+        Raises:
+            InputError: If the reach is not positive.
         """
+        if not reach > 0.0:
+            raise InputError("no reach", field="reach", value=reach, allowed="> 0 m")
         points, unknown = look_around(
             self._memory.cells,
             self._memory.origin,
@@ -293,5 +301,8 @@ def _pose(pose: ArrayLike) -> Array:
     checked = np.array(pose, dtype=float)
     if checked.shape != (3,) or not np.isfinite(checked).all():
         raise ShapeError(f"a pose is finite [x, y, heading], got {checked}")
+    if np.abs(checked[:2]).max() > _FURTHEST:
+        allowed = f"up to {_FURTHEST:g} m from the origin"
+        raise InputError("too far away for cells", field="pose", value=checked, allowed=allowed)
     checked.setflags(write=False)
     return checked

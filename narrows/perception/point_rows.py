@@ -29,7 +29,8 @@ def rows_and_reach(points: Any) -> tuple[Points, float]:
     Raises:
         ShapeError: If they are not (N, 3), or one of them is not finite.
     """
-    rows = np.ascontiguousarray(points, dtype=np.float32)
+    with np.errstate(over="ignore"):  # what single precision cannot hold is not finite
+        rows = np.ascontiguousarray(points, dtype=np.float32)
     if rows.ndim != 2 or rows.shape[1] != 3:
         raise ShapeError(f"points must be (N, 3), got {rows.shape}")
     reach = float(np.uint32(_greatest(rows.reshape(-1).view(np.uint32))).view(np.float32))

@@ -17,6 +17,7 @@ from ..errors import ShapeError
 from ..se2 import Array, compose
 from ..vehicle import Vehicle
 from ..world import World
+from .surfaces import checked_pose
 
 _TOGETHER = 0.04  # m: readings of one wall across lie that near to each other
 _BESIDE = 0.25  # m: and of the wall beside, the chair askew
@@ -97,9 +98,17 @@ def measure_ranges(
         time: When [s]: moving solids are where they are then.
         options: Default `UltrasoundOptions()`.
         rng: Source of the noise; None: exact readings.
+
+    Raises:
+        ShapeError: If the pose, the time or a sensor's pose is not finite, or none.
     """
     options = UltrasoundOptions() if options is None else options
-    placed = compose(np.asarray(pose, dtype=float), sensors)
+    sensors = np.asarray(sensors, dtype=float)
+    if sensors.ndim != 2 or sensors.shape[1] != 3 or not np.isfinite(sensors).all():
+        raise ShapeError(f"sensors must be finite poses (S, 3), got {sensors.shape}")
+    if not math.isfinite(time):
+        raise ShapeError(f"a time must be a finite number [s], got {time}")
+    placed = compose(checked_pose(pose), sensors)
     offsets = np.linspace(-options.half_angle, options.half_angle, options.rays)
     heading = placed[:, 2:] + offsets  # (S, R)
     pieces = world.pieces_between(options.height, options.height + 1e-6)

@@ -93,3 +93,14 @@ def test_a_frame_of_another_type_is_refused(dtype):
 def test_what_no_camera_can_be_is_refused(make):
     with pytest.raises(InputError):
         make()
+
+
+@pytest.mark.parametrize("angles", [(0.0, 1.0), (1.0, np.pi), (1.0, -0.5), (np.nan, 1.0)])
+def test_a_view_that_no_pinhole_has_is_refused(angles):
+    with pytest.raises(InputError, match="no view"):
+        Intrinsics.from_field_of_view(*angles)
+
+
+def test_a_picture_of_half_a_pixel_is_refused():
+    with pytest.raises(InputError, match="not a number of pixels"):
+        Intrinsics(500.0, 500.0, 0.0, 0.0, width=0.5)

@@ -1,5 +1,7 @@
 """The chain's stages: known answers, a second method, the reference library."""
 
+import itertools
+
 import numpy as np
 import pytest
 from scipy.sparse import coo_array
@@ -92,6 +94,13 @@ def test_a_gap_of_the_tolerance_joins_and_a_wider_one_parts():
     assert find_clusters(line, least=6) == ()
 
 
+def test_points_that_are_all_at_one_place_are_one_voxel_one_cluster_and_no_plane():
+    same = np.tile([[1.0, -2.0, 0.5]], (5000, 1))
+    assert voxel_grid(same) == pytest.approx(same[:1])
+    assert [len(rows) for rows in find_clusters(same)] == [5000]
+    assert find_plane(same) is None
+
+
 @pytest.mark.parametrize("depth", [np.zeros((480, 640), np.uint16), np.full((480, 640), np.nan)])
 def test_a_frame_without_a_return_leaves_every_stage_empty(depth):
     stages = run_chain(depth, LENS)
@@ -100,9 +109,10 @@ def test_a_frame_without_a_return_leaves_every_stage_empty(depth):
 
 
 def test_points_that_are_no_numbers_are_refused_by_every_stage():
-    bad = np.zeros((4, 3))
-    bad[2, 1] = np.nan
-    for stage in (voxel_grid, find_plane, find_clusters, lambda p: pass_through(p, 0.0, 1.0)):
+    stages = (voxel_grid, find_plane, find_clusters, lambda p: pass_through(p, 0.0, 1.0))
+    for stage, number in itertools.product(stages, (np.nan, -np.inf, 1e300)):
+        bad = np.zeros((4, 3))
+        bad[2, 1] = number
         with pytest.raises(ShapeError, match="finite"):
             stage(bad)
         with pytest.raises(ShapeError, match=r"\(N, 3\)"):
@@ -120,6 +130,7 @@ def test_options_out_of_range_are_refused():
         lambda: find_plane(some, probability=1.0),
         lambda: find_plane(some, most_iterations=0),
         lambda: pass_through(some, 0.0, 1.0, axis=3),
+        lambda: pass_through(some, 0.0, np.nan),
     ):
         with pytest.raises(InputError):
             call()

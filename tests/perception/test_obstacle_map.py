@@ -207,6 +207,21 @@ def test_what_is_no_pose_is_refused_and_changes_nothing(pose):
     assert np.array_equal(chart.states(), before)
 
 
+def test_a_pose_too_far_away_for_cells_is_refused_and_a_far_one_is_not():
+    chart = ObstacleMap(pose=[1e7, -1e7, 0.0])
+    chart.add_scan(half_turn(wall_ranges(2.0)))
+    assert state(chart, 1e7 + 1.0, -1e7) == Cell.FREE
+    with pytest.raises(InputError, match="too far away for cells"):
+        chart.move_to([1e18, 0.0, 0.0])
+    assert chart.pose[0] == 1e7
+
+
+@pytest.mark.parametrize("reach", [0.0, -1.0, np.nan])
+def test_a_percept_without_a_reach_is_refused_not_empty(reach):
+    with pytest.raises(InputError, match="no reach"):
+        ObstacleMap().percept(reach=reach)
+
+
 def test_a_beam_at_ankle_height_says_nothing_of_the_height_of_the_head():
     chart = ObstacleMap()
     chart.add_scan(half_turn(wall_ranges(2.0)))

@@ -49,6 +49,14 @@ def test_the_floor_alone_holds_no_obstacle_anywhere():
     assert np.count_nonzero(seen.cells == Cell.FREE) > 1500
 
 
+@pytest.mark.parametrize("tilt", [-1.2, -0.6, 1.9, 3.0])
+def test_a_camera_that_looks_at_the_ceiling_or_backwards_frees_nothing(tilt):
+    wall = np.full((480, 640), 1500, dtype=np.uint16)
+    seen = ObstacleFinder(kinect(Mounting(0.8, tilt))).see(wall)
+    assert seen.sight is Sight.FLOOR_ASSUMED
+    assert not np.equal(seen.cells, Cell.FREE).any()
+
+
 @pytest.mark.parametrize(("height", "is_found"), [(0.06, True), (0.012, False)])
 def test_the_lowest_obstacle_at_a_metre_and_a_half_is_between_1_and_6_cm(height, is_found):
     assert bool(seen_of(FLOOR, (1.4, -0.2, 0.0, 1.7, 0.2, height)).obstacles) == is_found

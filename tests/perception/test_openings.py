@@ -207,6 +207,8 @@ def test_an_empty_map_is_silence_to_those_who_look_for_doors():
     scan = scan_of_map(ObstacleMap())
     assert not scan.has_answer
     assert find_doors(scan) == ()
+    with pytest.raises(InputError, match="no beams"):
+        scan_of_map(ObstacleMap(), beams=0)
 
 
 @pytest.mark.parametrize(

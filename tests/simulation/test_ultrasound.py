@@ -31,6 +31,21 @@ def test_a_wall_askew_is_read_at_right_angles_within_the_cone_and_at_its_rim_bey
         assert reading == pytest.approx(2.0 / math.cos(beyond), abs=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("pose", "sensors", "time"),
+    [
+        ([np.nan, 0, 0], AHEAD, 0.0),
+        ([0, 0], AHEAD, 0.0),
+        ([0, 0, 0], np.zeros((2, 2)), 0.0),
+        ([0, 0, 0], [[np.inf, 0, 0]], 0.0),
+        ([0, 0, 0], AHEAD, math.nan),
+    ],
+)
+def test_nothing_is_read_from_no_place_and_at_no_time(pose, sensors, time):
+    with pytest.raises(ShapeError):
+        measure_ranges(WALL, pose, sensors, time=time)
+
+
 def test_a_smooth_wall_too_much_askew_gives_no_echo():
     smooth = UltrasoundOptions(incidence=math.radians(25.0))
     for tilt_deg, seen in ((0.0, True), (39.0, True), (41.0, False)):
