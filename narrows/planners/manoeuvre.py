@@ -21,7 +21,8 @@ from .refinement import Refined, Refinement, RefinementOptions
 _PIECE = 0.45  # m: a cubic piece about half a chair long bends as sharply as a chair can
 _SEGMENTS = {1: (6, 10), 2: (8,)}  # by number of sections, else 6: few programs to compile
 _FINER = {6: 10, 8: 12, 10: 14}  # where the margin takes more
-_TIGHT = 3.0  # times the margin on either side of the chair in a door: less is tight
+_TIGHT = 3.0  # times the margin on either side of the chair in a door: less takes finer pieces
+_NARROW = 5.0  # likewise: less takes so many steps that contacts are looked for compiled
 _NOTHING = 2e-4  # m: clearance missing from what is asked for, which is a little more
 _LITTLE = 1e-3  # m: no other manoeuvre is looked for to win this much
 _TOO_SHARP = 20.0  # 1/m: a radius of 5 cm is no curve to drive but a fold
@@ -74,11 +75,10 @@ def segments_for(path: Path) -> int:
     return next((size for size in sizes if size >= wanted), sizes[-1])
 
 
-def through_tight_door(scene: Scene) -> bool:
-    """Return whether a known door on the way leaves little more than the margin."""
+def spare_in_doors(scene: Scene) -> float:
+    """Return what the narrowest known door on the way leaves on either side of the chair [m]."""
     doors = [door for door, _ in doors_between(scene)]
-    spare = min((0.5 * (door.width - scene.vehicle.width) for door in doors), default=math.inf)
-    return spare < _TIGHT * scene.margin
+    return min((0.5 * (door.width - scene.vehicle.width) for door in doors), default=math.inf)
 
 
 def refine(scene: Scene, name: str, guess: Path, options: ManoeuvreOptions) -> Candidate:
@@ -96,14 +96,14 @@ def refine(scene: Scene, name: str, guess: Path, options: ManoeuvreOptions) -> C
     if any(section.direction == 0 for section in guess.sections):
         raise ShapeError("a guess that turns on the spot cannot be made smooth")
     segments = segments_for(guess)
-    is_tight = through_tight_door(scene)
-    if is_tight:
+    spare = spare_in_doors(scene)
+    if spare < _TIGHT * scene.margin:
         segments = _FINER[segments]
     chosen = RefinementOptions(
         weights=options.weights,
         segments=segments,
         finer=_FINER.get(segments, segments),
-        is_tight=is_tight,
+        is_compiled=spare < _NARROW * scene.margin,
         rows=_ROWS.get(len(guess.sections), 128),
     )
     start = fitted(guess, scene, segments)

@@ -55,8 +55,8 @@ class RefinementOptions:
         segments: Cubic pieces of each section.
         finer: Pieces of each section where the margin is not kept with so many.
         rows: Most rows of clearance of each section.
-        is_tight: Whether many steps are to be expected: contacts are then looked for in compiled
-            loops from the start.
+        is_compiled: Whether contacts are looked for in compiled loops from the start, as many
+            steps are to be expected.
         iterations: Largest number of steps of each descent.
         radius: First bound on a step [m, rad].
         enough: Stop when a step promises less than this share of the cost.
@@ -66,7 +66,7 @@ class RefinementOptions:
     segments: int = 10
     finer: int = 14
     rows: int = 256
-    is_tight: bool = False
+    is_compiled: bool = False
     iterations: int = 45
     radius: float = 0.15
     enough: float = 2e-3
@@ -108,7 +108,7 @@ class Refinement:
         self.allowed = min(scene.vehicle.limits.curvature, _SHARPEST)
         self.ways, self.weights = ways, self.options.weights
         self.tried = self.evaluations = 0
-        self.model = self._model_of(self.options.segments, is_tight=self.options.is_tight)
+        self.model = self._model_of(self.options.segments, is_compiled=self.options.is_compiled)
 
     def run(self, guess: Manoeuvre) -> Refined:
         """Return the smooth manoeuvre reached from a guess.
@@ -123,17 +123,23 @@ class Refinement:
             point = self._seen(point.x, thinner)
         point = self._descended(point)
         if _UNSEEN < point.x[-2] < self.scene.margin + _WITHIN_REACH:
-            path, self.evaluations = self.model.shape.path(point.x), self.model.evaluations
-            self.model = self._model_of(self.options.finer, is_tight=True)
             self.weights = replace(self.weights, price=_DEARER * self.weights.price)
-            point = self._started(fitted(path, self.scene, self.options.finer))
-            point = self._descended(point)
+            point = self._descended(self._finer(point))
         return self._ended(self._within_curvature(point))
 
-    def _model_of(self, segments: int, *, is_tight: bool) -> RefinementModel:
+    def _finer(self, point: Point) -> Point:
+        """Return a point's curve in finer pieces, where it is not in such pieces yet."""
+        if self.options.finer == self.options.segments:
+            self.model.use_compiled()
+            return self._seen(point.x, 0.0)
+        path, self.evaluations = self.model.shape.path(point.x), self.model.evaluations
+        self.model = self._model_of(self.options.finer, is_compiled=True)
+        return self._started(fitted(path, self.scene, self.options.finer))
+
+    def _model_of(self, segments: int, *, is_compiled: bool) -> RefinementModel:
         model = RefinementModel(self.scene, self.ways, segments, self.options.rows)
         model.limit = _CURVATURE_SHARE * self.allowed
-        if is_tight:
+        if is_compiled:
             model.use_compiled()
         return model
 

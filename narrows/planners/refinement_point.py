@@ -26,7 +26,7 @@ from .thin_body import ThinBodies
 _SAMPLES = 97  # coarse samples along a section
 _BENDS = 20  # samples of the curvature on each cubic piece
 _FAR_BEND = 1.0  # 1/m: curvature this far below the limit is not watched in a step
-_MANY = 36  # evaluations from which compiling, or reading what was compiled, is worth it
+_MANY = 18  # evaluations from which compiling, or reading what was compiled, is worth it
 _EXTRA = 3e-4  # m: required beyond the margin, for what lies between samples
 
 
