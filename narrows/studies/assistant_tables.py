@@ -22,6 +22,7 @@ from .report import markdown_table
 from .statistics import mean_interval, wilson_interval
 from .table import Row, Table
 
+_COLUMNS = ("time_s", "distance_m", "collisions")
 _FIGURES = (("t", "time_s", "time [s]"), ("d", "distance_m", "distance [m]"))
 
 
@@ -43,8 +44,12 @@ def numbers(rows: Sequence[Row], name: str) -> list[float]:
 
 
 def table_three(table: Table) -> str:
-    """Return one drive of each of our drivers in each test run, in the form of Table III."""
+    """Return one drive of each of our drivers in each test run, in the form of Table III.
+
+    The last line has the means of the drives above it.
+    """
     lines: list[dict[str, Any]] = []
+    means: dict[str, Any] = {"driver": "mean"}
     for name in dict.fromkeys(str(row["driver"]) for row in of_run(table, "I")):
         line: dict[str, Any] = {"driver": name}
         for run in RUNS:
@@ -53,7 +58,10 @@ def table_three(table: Table) -> str:
             if not row["arrived"]:
                 line[f"t{run}"] = f"{line[f't{run}']:.2f}*"
         lines.append(line)
-    return _three(lines)
+    for run in RUNS:
+        first = [row for row in of_run(table, run) if row["run"] == 0]
+        _fill(means, run, *(mean(numbers(first, name)) for name in _COLUMNS))
+    return _three([*lines, means])
 
 
 def paper_three() -> str:
