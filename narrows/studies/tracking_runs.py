@@ -15,14 +15,15 @@ from ..errors import StudyError
 from ..interfaces import Tracker
 from ..path import Path
 from ..se2 import Array, transform
-from ..simulation.judge import judge
+from ..simulation.judge import Judgement, judge
 from ..simulation.localisation import EncoderOdometry, ExactPose, Localisation, NoisyPose
 from ..simulation.plant import CastorFlip, PlantOptions
+from ..simulation.record import Record
 from ..simulation.simulator import SimulationOptions, simulate
 from ..tracking.legs import Leg, legs_of
 from ..tracking.registry import DELAY, make_tracker
 from .case import Case, Scalar
-from .tracking_plans import tracked_plan
+from .tracking_plans import TrackedPlan, tracked_plan
 
 _REACH = 0.4  # m: how far from the claimed progress the place on the path is looked for
 _SLACK_TIME = 30.0  # s: a drive may take this much longer than the plan before it is broken off
@@ -134,17 +135,8 @@ def run_case(case: Case, rng: np.random.Generator) -> Mapping[str, Scalar]:
     )
     record = simulate(scene, tracker, reference=plan.motion, options=options, rng=rng)
     verdict = judge(scene, record)
-    outline = scene.vehicle.outline
-    sampled = slice(None, None, round(options.period / options.step))  # when poses were read
-    true, believed = record.poses[sampled], record.estimates[sampled]
-    progress = record.progress[sampled]
-    deviation = body_deviation(path, true, progress, outline)
-    tracking = body_deviation(path, believed, progress, outline)
-    localisation = _apart(true, believed, outline)
     cross, heading = np.abs(record.cross_track), np.abs(record.heading_error)
     steps = 1e3 * np.array(tracker.times)
-    clear = math.isfinite(plan.clearance)
-    budget = plan.clearance - tracking.max() - localisation.max()
     return {
         "reached": verdict.reached,
         "collisions": len(verdict.contacts),
@@ -153,17 +145,41 @@ def run_case(case: Case, rng: np.random.Generator) -> Mapping[str, Scalar]:
         "max_heading_deg": math.degrees(float(heading.max())),
         "final_position_mm": 1e3 * verdict.final_position_error,
         "final_heading_deg": math.degrees(verdict.final_heading_error),
+        **_clearance_budget(plan, record, verdict, round(options.period / options.step)),
+        "peak_wheel_acceleration": verdict.peak_wheel_acceleration,
+        "peak_jerk": verdict.peak_jerk,
+        "duration_s": verdict.duration,
+        "step_ms": float(np.median(steps)),
+        "step_p95_ms": float(np.quantile(steps, 0.95)),
+    }
+
+
+def _clearance_budget(
+    plan: TrackedPlan, record: Record, verdict: Judgement, every: int
+) -> dict[str, Scalar]:
+    """Return what becomes of the plan's clearance: tracking and localisation take their share.
+
+    Args:
+        plan: The plan driven.
+        record: The drive.
+        verdict: What was found of it.
+        every: Physics steps from one reading of the pose to the next.
+    """
+    outline = plan.scene.vehicle.outline
+    true, believed = record.poses[::every], record.estimates[::every]
+    progress = record.progress[::every]
+    deviation = body_deviation(plan.path, true, progress, outline)
+    tracking = body_deviation(plan.path, believed, progress, outline)
+    localisation = _apart(true, believed, outline)
+    clear = math.isfinite(plan.clearance)
+    budget = plan.clearance - tracking.max() - localisation.max()
+    return {
         "plan_clearance_mm": 1e3 * plan.clearance if clear else None,
         "tracking_mm": 1e3 * float(tracking.max()),
         "localisation_mm": 1e3 * float(localisation.max()),
         "deviation_mm": 1e3 * float(deviation.max()),
         "budget_mm": 1e3 * float(budget) if clear else None,
         "driven_clearance_mm": 1e3 * verdict.min_clearance if clear else None,
-        "peak_wheel_acceleration": verdict.peak_wheel_acceleration,
-        "peak_jerk": verdict.peak_jerk,
-        "duration_s": verdict.duration,
-        "step_ms": float(np.median(steps)),
-        "step_p95_ms": float(np.quantile(steps, 0.95)),
     }
 
 
