@@ -1,6 +1,6 @@
 """narrows: plan how a wheelchair with a real body gets through narrow places.
 
-The names below are all there is to know from outside; `docs/python.md` says what they do. Each is
+The names below are those meant for use from outside; `docs/python.md` says what they do. Each is
 imported when it is first used, so that `import narrows` costs nothing.
 """
 
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from .formats import read_trajectory, write_trajectory
     from .interfaces import Controller, Percept, Plan, Planner, PlanStatus, Tracker
     from .limit_check import LimitCheck, check_limits
+    from .maps import load_map
     from .path import Path
     from .perception.obstacle_map import ObstacleMap
     from .perception.ranges import LaserScan
@@ -53,6 +54,7 @@ if TYPE_CHECKING:
     from .tracking.linearizing import LinearizingTracker
     from .tracking.lookahead import LookaheadTracker
     from .tracking.predictive import PredictiveTracker
+    from .tracking.registry import make_tracker
     from .tracking.virtual_target import VirtualTargetTracker
     from .trajectory import Trajectory
     from .vehicle import Layer, Limits, Vehicle
@@ -74,6 +76,7 @@ _MODULES = {
     "formats": ("read_trajectory", "write_trajectory"),
     "interfaces": ("Controller", "Percept", "Plan", "PlanStatus", "Planner", "Tracker"),
     "limit_check": ("LimitCheck", "check_limits"),
+    "maps": ("load_map",),
     "path": ("Path",),
     "perception.obstacle_map": ("ObstacleMap",),
     "perception.ranges": ("LaserScan",),
@@ -100,6 +103,7 @@ _MODULES = {
     "tracking.linearizing": ("LinearizingTracker",),
     "tracking.lookahead": ("LookaheadTracker",),
     "tracking.predictive": ("PredictiveTracker",),
+    "tracking.registry": ("make_tracker",),
     "tracking.virtual_target": ("VirtualTargetTracker",),
     "trajectory": ("Trajectory",),
     "vehicle": ("Layer", "Limits", "Vehicle"),
