@@ -24,7 +24,7 @@ from ..se2 import Array, invert, transform
 from .chair_senses import ChairSenses
 
 _RING = 512  # cells across, a power of 2
-_NEAR = 0.15  # m: a thing stands that near below what is seen of it
+_NEAR = (0.05, 0.15)  # m: a thing stands that near below what is seen of it; nearer by a wall
 _LEFT = 0.5  # a smaller share of what stood there, seen by the scanners, is another thing
 _LEAST = 4  # cells: fewer come and go by the scanners' noise, such as those of a table leg
 _HANGS = 0.5  # s seen above a free floor: it hangs
@@ -51,7 +51,7 @@ class Vacated:
         self._places = np.zeros((_RING, _RING, 2), dtype=np.int64)
         self._known_at = np.full((_RING, _RING), -math.inf)
         self._is_seen = np.zeros((_RING, _RING), dtype=bool)  # in the frame that came last
-        self._stood = np.zeros((_RING, _RING))  # what `_standing` was when it was seen
+        self._stood = np.zeros((len(_NEAR), _RING, _RING))  # what `_standing` was when it was seen
         self._hung = np.zeros((_RING, _RING))  # s
         self._poses: dict[float, Array] = {}  # believed, by time
         self._frame_time = self._time = -math.inf
@@ -80,10 +80,9 @@ class Vacated:
         standing = self._standing(cells, above)
         i, j = (cells[above] & (_RING - 1)).T
         new = self._take_over(cells[above], i, j, time)
-        np.maximum.at(self._stood, (i[new], j[new]), standing[new])
+        self._raise(i[new], j[new], standing[:, new])
         self._look(np.column_stack([world, points[:, 2]])[above], i, j, standing)
-        gone = (standing < _LEFT * self._stood[i, j]) & ~self._is_seen[i, j]
-        gone &= self._stood[i, j] >= _LEAST
+        gone = self._has_gone(standing, i, j) & ~self._is_seen[i, j]
         gone[gone] = self._senses.map.is_free(points[above[gone], :2], self._band)
         kept = np.delete(points, above[gone], axis=0)
         return Percept(percept.time, kept, percept.spread, percept.unknown)
@@ -109,12 +108,23 @@ class Vacated:
         body = np.column_stack([transform(back, places[:, :2]), places[:, 2]])
         seen = self._are_returns(answer.image, body)
         self._is_seen[i[seen], j[seen]] = True
-        np.maximum.at(self._stood, (i[seen], j[seen]), standing[seen])
-        stands = standing >= _LEFT * self._stood[i, j]
-        self._hung[i[stands], j[stands]] = 0.0
-        hangs = np.unique(np.column_stack([i, j])[seen & ~stands], axis=0).T
+        self._raise(i[seen], j[seen], standing[:, seen])
+        gone = self._has_gone(standing, i, j)
+        self._hung[i[~gone], j[~gone]] = 0.0
+        hangs = np.unique(np.column_stack([i, j])[seen & gone], axis=0).T
         self._hung[hangs[0], hangs[1]] += passed
-        self._stood[self._hung >= _HANGS] = 0.0
+        self._stood[:, self._hung >= _HANGS] = 0.0
+
+    def _raise(self, i: NDArray[np.int64], j: NDArray[np.int64], standing: Array) -> None:
+        for stood, now in zip(self._stood, standing, strict=True):
+            np.maximum.at(stood, (i, j), now)
+
+    def _has_gone(
+        self, standing: Array, i: NDArray[np.int64], j: NDArray[np.int64]
+    ) -> NDArray[np.bool_]:
+        """Return below which cells less stands than when they were seen."""
+        stood = self._stood[:, i, j]
+        return np.asarray(((stood >= _LEAST) & (standing < _LEFT * stood)).any(axis=0))
 
     def _are_returns(self, image: NDArray[np.uint16], points: Array) -> NDArray[np.bool_]:
         """Return which points (N, 3) of the body frame a depth image has a return of."""
@@ -131,14 +141,19 @@ class Vacated:
         return found
 
     def _standing(self, cells: NDArray[np.int64], above: NDArray[np.int64]) -> Array:
-        """Return how many cells of the scanners' band are occupied about some points."""
-        reach = math.ceil(_NEAR / self._cell)
-        low = cells.min(axis=0) - reach
-        grid = np.zeros(cells.max(axis=0) - low + 1 + reach)
+        """Return how many cells of the scanners' band are occupied about N points, by `_NEAR`."""
+        reaches = [math.ceil(near / self._cell) for near in _NEAR]
+        low = cells.min(axis=0) - reaches[-1]
+        grid = np.zeros(cells.max(axis=0) - low + 1 + reaches[-1])
         band = np.delete(cells, above, axis=0) - low
-        grid[band[:, 0], band[:, 1]] = (2 * reach + 1) ** 2
+        grid[band[:, 0], band[:, 1]] = 1.0
         i, j = (cells[above] - low).T
-        return np.asarray(np.round(uniform_filter(grid, 2 * reach + 1, mode="constant")[i, j]))
+        return np.array(
+            [
+                np.round((2 * r + 1) ** 2 * uniform_filter(grid, 2 * r + 1, mode="constant")[i, j])
+                for r in reaches
+            ]
+        )
 
     def _take_over(
         self, cells: NDArray[np.int64], i: NDArray[np.int64], j: NDArray[np.int64], time: float
@@ -148,5 +163,5 @@ class Vacated:
         self._known_at[i, j], self._time = time, time
         i, j = i[new], j[new]
         self._places[i, j] = cells[new]
-        self._is_seen[i, j], self._stood[i, j], self._hung[i, j] = False, 0.0, 0.0
+        self._is_seen[i, j], self._stood[:, i, j], self._hung[i, j] = False, 0.0, 0.0
         return np.asarray(new)
