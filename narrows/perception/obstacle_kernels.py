@@ -54,6 +54,7 @@ def sort_pixels(
     # Where a pixel is in units of cells, without its depth: ahead, left and up of the camera.
     scale = 1.0 / area[2]
     x0, y0, height = (pose[0, 3] - area[0]) * scale, (pose[1, 3] - area[1]) * scale, pose[2, 3]
+    lowest, growth, highest, furthest = limits[0], limits[1], limits[2], limits[3]
     aheads, lefts, ups = pose[0, 0] * across, pose[1, 0] * across, pose[2, 0] * across
     for v in range(image.shape[0]):
         down = (v - lens[3]) / lens[1]
@@ -62,11 +63,9 @@ def sort_pixels(
         up = pose[2, 1] * down + pose[2, 2]
         for u in range(image.shape[1]):
             z = np.float32(image[v, u]) / per_metre
-            if z <= 0.0 or z > limits[3]:
-                continue
             rise = z * (ups[u] + up)
-            above, least = height + rise, limits[0] + limits[1] * z
-            if above > limits[2]:
+            above, least = height + rise, lowest + growth * z
+            if z <= 0.0 or z > furthest or above > highest:
                 continue
             kind, reach = _FLOOR, np.float64(z)
             if above > least:
@@ -82,32 +81,25 @@ def sort_pixels(
             if kind != _FLOOR:
                 place = (kind - 1) * columns * rows + cell
                 if counts[kind, cell] == 1:
-                    _empty(boxes, place)
-                _widen(boxes, place, area[0] + x * area[2], area[1] + y * area[2], above)
+                    _empty(boxes[place])
+                _widen(boxes[place], area[0] + x * area[2], area[1] + y * area[2], above)
     return counts.reshape(3, columns, rows), boxes.reshape(2, columns, rows, 10)
 
 
 @compiled
-def _empty(boxes: Array, place: int) -> None:
+def _empty(box: Array) -> None:
     """Make a cell's box one without a point."""
-    boxes[place, _BELOW:_ABOVE] = math.inf
-    boxes[place, _ABOVE:_NEAREST] = -math.inf
-    boxes[place, _NEAREST:] = math.inf
+    box[_BELOW:_ABOVE], box[_ABOVE:_NEAREST], box[_NEAREST:] = math.inf, -math.inf, math.inf
 
 
 @compiled
-def _widen(boxes: Array, place: int, x: float, y: float, z: float) -> None:
+def _widen(box: Array, x: float, y: float, z: float) -> None:
     """Make a cell's box hold a point, and keep the point if it is the nearest."""
-    boxes[place, 0] = x if x < boxes[place, 0] else boxes[place, 0]
-    boxes[place, 1] = y if y < boxes[place, 1] else boxes[place, 1]
-    boxes[place, 2] = z if z < boxes[place, 2] else boxes[place, 2]
-    boxes[place, 3] = x if x > boxes[place, 3] else boxes[place, 3]
-    boxes[place, 4] = y if y > boxes[place, 4] else boxes[place, 4]
-    boxes[place, 5] = z if z > boxes[place, 5] else boxes[place, 5]
+    box[0], box[1], box[2] = min(box[0], x), min(box[1], y), min(box[2], z)
+    box[3], box[4], box[5] = max(box[3], x), max(box[4], y), max(box[5], z)
     square = x * x + y * y
-    if square < boxes[place, 9]:
-        boxes[place, 6], boxes[place, 7], boxes[place, 8] = x, y, z
-        boxes[place, 9] = square
+    if square < box[_PIXELS]:
+        box[6], box[7], box[8], box[_PIXELS] = x, y, z, square
 
 
 @compiled
