@@ -176,3 +176,22 @@ def locate(points: Sequence[Array], cell_sets: Sequence[Cells]) -> list[Indices]
         begin += n * m
         found.append(np.where(table.any(axis=1), table.argmax(axis=1), -1) if m else np.full(n, -1))
     return [f.astype(np.int64) for f in found]
+
+
+def holding(cells: NDArray[np.object_], point: Array) -> int:
+    """Return the first cell that holds a point, or -1."""
+    held = np.flatnonzero(shapely.intersects_xy(cells, point[0], point[1]))
+    return int(held[0]) if len(held) else -1
+
+
+def within(cells: NDArray[np.object_], point: Array, reach: float) -> Indices:
+    """Return the cells that come within reach [m] of a point."""
+    if not len(cells):
+        return np.zeros(0, dtype=np.int64)
+    return np.flatnonzero(shapely.dwithin(cells, shapely.Point(point), reach)).astype(np.int64)
+
+
+def touching(cells: NDArray[np.object_], window: Array) -> Indices:
+    """Return the cells that touch a side of the window [x_min, y_min, x_max, y_max]."""
+    box = shapely.bounds(cells).reshape(-1, 4)
+    return np.flatnonzero((np.abs(box - window) < 1e-7).any(axis=1)).astype(np.int64)

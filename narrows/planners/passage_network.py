@@ -13,12 +13,19 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import dijkstra
 
 from ..se2 import Array
-from .heading_graph import EPSILON, CellSet, HeadingGraph, Indices, locate
+from .cost_graph import CostGraph
+from .heading_graph import (
+    EPSILON,
+    CellSet,
+    HeadingGraph,
+    Indices,
+    holding,
+    locate,
+    touching,
+    within,
+)
 
 SURE = 1e-6
 OUTSIDE = 1e3
@@ -69,15 +76,14 @@ class PassageNetwork:
         self.anomalies = 0
         self._hopes: dict[int, Array] = {}
         self._first: dict[tuple[str, float], int] = {}
-        self._edges: list[tuple[int, int, float]] = []
-        self._vertices = 3
+        self._ways = CostGraph(3)
         headings = self.graph.headings
         self._spans = list(zip(headings, [*headings[1:], headings[0]], strict=True))
         self._number("sure", self.graph.sure_nodes, headings)
         self._number("turn", self.graph.sure_joins, headings)
         self._join_surely()
         self._attach_ends_surely()
-        self._sure_edge_count = len(self._edges)
+        self._sure_edge_count = len(self._ways.edges)
         if possible:
             self._number("hair", self.graph.possible_nodes, headings)
             self._number("join", self.graph.possible_joins, headings)
@@ -86,8 +92,8 @@ class PassageNetwork:
 
     def _number(self, kind: str, sets: dict[float, CellSet], headings: list[float]) -> None:
         for heading in headings:
-            self._first[kind, heading] = self._vertices
-            self._vertices += len(sets[heading].cells)
+            self._first[kind, heading] = self._ways.vertices
+            self._ways.vertices += len(sets[heading].cells)
 
     def _link(
         self,
@@ -119,21 +125,21 @@ class PassageNetwork:
             first = self._first["turn", begin]
             for side, found in zip((begin, end), self._sure_links[begin, end], strict=True):
                 base = self._first["sure", side]
-                self._edges += [
+                self._ways.edges += [
                     (first + i, base + int(k), SURE) for i, k in enumerate(found) if k >= 0
                 ]
 
     def _attach_ends_surely(self) -> None:
         problem, graph = self.graph.problem, self.graph
         start = self._start_heading()
-        index = _holding(graph.sure_nodes[start].cells, problem.start[:2])
+        index = holding(graph.sure_nodes[start].cells, problem.start[:2])
         self.start_is_free = index >= 0
         if index >= 0:
-            self._edges.append((_START, self._first["sure", start] + index, SURE))
+            self._ways.edges.append((_START, self._first["sure", start] + index, SURE))
         for heading in graph.headings:
             offset = problem.goal_heading_offset(heading)
             if offset <= problem.heading_tolerance + 1e-9:
-                near = _within(
+                near = within(
                     graph.sure_nodes[heading].cells,
                     problem.goal_pivot(heading),
                     problem.position_tolerance,
@@ -141,7 +147,7 @@ class PassageNetwork:
                 base = self._first["sure", heading]
                 # A way that ends at the goal's own heading is worth a few more turns.
                 cost = SURE if offset < 1e-6 else 10.0 * SURE
-                self._edges += [(_GOAL, base + int(k), cost) for k in near]
+                self._ways.edges += [(_GOAL, base + int(k), cost) for k in near]
 
     def _start_heading(self) -> float:
         """Return the cut that is the start's heading."""
@@ -165,10 +171,10 @@ class PassageNetwork:
                         self.anomalies += 1
                         continue
                     for vertex in self._stand_ins(side, node):
-                        self._edges.append((base + join, vertex, cost))
+                        self._ways.edges.append((base + join, vertex, cost))
             if graph.open_window:
-                touching = _touching(graph.possible_joins[begin].cells, graph.window)
-                self._edges += [(base + int(k), _BEYOND, OUTSIDE / 2) for k in touching]
+                outer = touching(graph.possible_joins[begin].cells, graph.window)
+                self._ways.edges += [(base + int(k), _BEYOND, OUTSIDE / 2) for k in outer]
 
     def _place_sure_in_possible(self) -> None:
         graph = self.graph
@@ -187,7 +193,7 @@ class PassageNetwork:
             for node in range(len(graph.possible_nodes[heading].cells)):
                 inside = self._members.get((heading, node), [])
                 if len(inside) > 1:  # parted or joined by less than a hair's breadth
-                    self._edges += [(hair + node, k, UNDECIDABLE / 2) for k in inside]
+                    self._ways.edges += [(hair + node, k, UNDECIDABLE / 2) for k in inside]
 
     def _stand_ins(self, heading: float, node: int) -> list[int]:
         """Return the vertices that stand for a possible node: the sure ones in it, or itself."""
@@ -197,11 +203,11 @@ class PassageNetwork:
     def _attach_ends_possibly(self) -> None:
         graph, problem = self.graph, self.graph.problem
         start = self._start_heading()
-        index = _holding(graph.possible_nodes[start].cells, problem.start[:2])
+        index = holding(graph.possible_nodes[start].cells, problem.start[:2])
         self.start_is_possible = index >= 0
         if index >= 0:
             for vertex in self._stand_ins(start, index):
-                self._edges.append((_START, vertex, UNDECIDABLE))
+                self._ways.edges.append((_START, vertex, UNDECIDABLE))
         swing = float(np.linalg.norm(problem.pivot))
         for k, heading in enumerate(graph.headings):
             half = graph.half_angle(k)
@@ -209,32 +215,30 @@ class PassageNetwork:
             reach = problem.position_tolerance + EPSILON
             if offset <= problem.heading_tolerance + 1e-6:
                 cells = graph.possible_nodes[heading].cells
-                for node in _within(cells, problem.goal_pivot(heading), reach):
+                for node in within(cells, problem.goal_pivot(heading), reach):
                     for vertex in self._stand_ins(heading, int(node)):
-                        self._edges.append((_GOAL, vertex, UNDECIDABLE))
+                        self._ways.edges.append((_GOAL, vertex, UNDECIDABLE))
             middle = heading + half
             if problem.goal_heading_offset(middle) <= problem.heading_tolerance + half + 1e-6:
                 reach += 2.0 * swing * math.sin(0.5 * half)
                 cells = graph.possible_joins[heading].cells
                 cost = 0.5 * (UNDECIDABLE if 2.0 * half <= self.finest else 1.0)
                 base = self._first["join", heading]
-                for join in _within(cells, problem.goal_pivot(middle), reach):
-                    self._edges.append((base + int(join), _GOAL, cost))
+                for join in within(cells, problem.goal_pivot(middle), reach):
+                    self._ways.edges.append((base + int(join), _GOAL, cost))
 
     def costs(self, *, only_sure: bool = False) -> Array:
         """Return each vertex's cheapest cost from the start; infinite: not even possible."""
-        matrix = self._matrix(self._sure_edge_count if only_sure else len(self._edges))
-        return np.asarray(dijkstra(matrix, directed=False, indices=[_START])[0])
+        return self._ways.costs_from(_START, self._sure_edge_count if only_sure else None)
 
     def costs_to_goal(self) -> Array:
         """Return each vertex's cheapest cost to the goal."""
-        matrix = self._matrix(len(self._edges))
-        return np.asarray(dijkstra(matrix, directed=False, indices=[_GOAL])[0])
+        return self._ways.costs_from(_GOAL)
 
     @property
     def goal_is_possible(self) -> bool:
         """Whether any cell reaches into the goal region."""
-        return any(_GOAL in edge[:2] for edge in self._edges)
+        return any(_GOAL in edge[:2] for edge in self._ways.edges)
 
     def sides(self, heading: float) -> tuple[list[shapely.Polygon], list[shapely.Polygon]]:
         """Return the possible nodes at a cut that hang together with start and with goal."""
@@ -268,15 +272,11 @@ class PassageNetwork:
 
     def way(self) -> list[Step]:
         """Return the free cells of a sure way from start to goal; empty if none is known."""
-        matrix = self._matrix(self._sure_edge_count)
-        cost, before = dijkstra(matrix, directed=False, indices=[_START], return_predecessors=True)
-        if not np.isfinite(cost[0][_GOAL]):
+        order = self._ways.between(_START, _GOAL, self._sure_edge_count)
+        if not order:
             return []
-        order = [int(before[0][_GOAL])]
-        while order[-1] != _START:
-            order.append(int(before[0][order[-1]]))
         cells = self._cells_by_vertex()
-        chain = [cells[vertex] for vertex in order[-2::-1]]
+        chain = [cells[vertex] for vertex in order]
         # Nodes and turns alternate, beginning and ending with a node.
         nodes, turns = chain[0::2], [*chain[1::2], chain[-1]]
         return [
@@ -293,32 +293,3 @@ class PassageNetwork:
                 for k, (cell, point) in enumerate(zip(group.cells, group.points, strict=True)):
                     found[first + k] = (heading, cell, (float(point[0]), float(point[1])))
         return found
-
-    def _matrix(self, count: int) -> csr_array:
-        rows, columns, data = [], [], []
-        best: dict[tuple[int, int], float] = {}
-        for a, b, cost in self._edges[:count]:
-            key = (a, b) if a < b else (b, a)
-            if cost < best.get(key, math.inf):
-                best[key] = cost
-        for (a, b), cost in best.items():
-            rows.append(a)
-            columns.append(b)
-            data.append(cost)
-        return csr_array((data, (rows, columns)), shape=(self._vertices, self._vertices))
-
-
-def _holding(cells: NDArray[np.object_], point: Array) -> int:
-    held = np.flatnonzero(shapely.intersects_xy(cells, point[0], point[1]))
-    return int(held[0]) if len(held) else -1
-
-
-def _within(cells: NDArray[np.object_], point: Array, reach: float) -> Indices:
-    if not len(cells):
-        return np.zeros(0, dtype=np.int64)
-    return np.flatnonzero(shapely.dwithin(cells, shapely.Point(point), reach)).astype(np.int64)
-
-
-def _touching(cells: NDArray[np.object_], window: Array) -> Indices:
-    box = shapely.bounds(cells).reshape(-1, 4)
-    return np.flatnonzero((np.abs(box - window) < 1e-7).any(axis=1)).astype(np.int64)
