@@ -10,6 +10,7 @@ from typing import Any
 from ..errors import SceneError
 from ..scene_source import Source, Step
 from ..scene_text import decode, read_source
+from .map_file import read_map_file
 
 MODES = ("trinary", "scale")
 FARTHEST = 1e7  # m; beyond, coordinates lose their micrometres
@@ -71,15 +72,7 @@ def read_settings(file: Path) -> Settings:
 def _read(file: Path) -> Source:
     """Return what the file says, known to be a mapping."""
     place = str(file)
-    try:
-        size = file.stat().st_size
-        content = file.read_bytes() if file.is_file() and size <= _LARGEST_FILE else None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise SceneError(f"the map cannot be read: {reason}", file=place) from error
-    if content is None:
-        allowed = f"a YAML file of at most {_LARGEST_FILE} bytes"
-        raise SceneError("this is no map", file=place, value=f"{size} bytes", allowed=allowed)
+    content = read_map_file(file, _LARGEST_FILE)
     source = read_source(decode(content, place), place)
     if source.root is None or not isinstance(source.root.value, dict):
         allowed = "image, resolution, origin, negate, occupied_thresh, free_thresh"

@@ -14,6 +14,7 @@ import shapely
 from ..errors import SceneError
 from ..se2 import Array
 from ..world import Door, Solid, World
+from .map_file import read_map_file
 
 FORMAT = "wall-map/1"
 FARTHEST = 1e7  # m; beyond, coordinates lose their micrometres
@@ -49,15 +50,7 @@ def read_wall_map(file: Path, *, unknown_is_occupied: bool = True) -> World:
 def _load(file: Path) -> dict[str, Any]:
     """Return the JSON object in the file, known to call itself a wall map."""
     place = str(file)
-    try:
-        size = file.stat().st_size
-        content = file.read_bytes() if file.is_file() and size <= _LARGEST_FILE else None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise SceneError(f"the map cannot be read: {reason}", file=place) from error
-    if content is None:
-        allowed = f"a file of at most {_LARGEST_FILE} bytes"
-        raise SceneError("this is no map", file=place, value=f"{size} bytes", allowed=allowed)
+    content = read_map_file(file, _LARGEST_FILE)
     try:
         document = json.loads(content)
     except json.JSONDecodeError as error:
