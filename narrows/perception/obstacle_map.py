@@ -26,6 +26,7 @@ from ..vehicle import Vehicle
 from .body_slabs import are_inside, body_slabs
 from .camera import DepthCamera
 from .depth_image import depth_frame
+from .last_words import LastWords
 from .map_cells import begin_update
 from .map_depth_kernels import hit_pixels, pass_pixels
 from .map_look_kernels import look_around, stand_on
@@ -71,7 +72,7 @@ class ObstacleMap:
         self._memory = MapMemory(self.options, place[:2])
         edges = self._memory.cells.edges
         self._slabs = [] if vehicle is None else body_slabs(vehicle, edges)
-        self._heard: dict[str, float] = dict.fromkeys(self.options.sensors, -math.inf)
+        self._words = LastWords(self.options.sensors)
         self.pose = place
         self._stand()
 
@@ -103,7 +104,7 @@ class ObstacleMap:
         """
         if not scan.has_answer:
             return
-        self._hear(scan.sensor, scan.time)
+        self._words.hear(scan.sensor, scan.time)
         self._add(rays_of_scan(scan, self.options))
 
     def add_points(
@@ -126,13 +127,13 @@ class ObstacleMap:
         """
         rays = rays_to_points(points, eye, self.options.short)
         if len(rays.points):
-            self._hear(sensor, time)
+            self._words.hear(sensor, time)
             self._add(rays)
 
     def add_echoes(self, readings: UltrasoundReadings) -> None:
         """Add ultrasonic echoes: all of the arc an echo may come from; they clear nothing."""
         if readings.has_answer:
-            self._hear(readings.sensor, readings.time)
+            self._words.hear(readings.sensor, readings.time)
             self._add(rays_to_points(readings.arcs(self.options.cell), None, 0.0))
 
     def add_frame(
@@ -166,7 +167,7 @@ class ObstacleMap:
         view = view_of(
             camera, seen.floor, frame, self.pose, self.options.short, finder.options.steps
         )
-        self._hear(sensor, seen.time)
+        self._words.hear(sensor, seen.time)
         begin_update(cells)
         holes = area.spots(np.equal(seen.cells, Cell.DROP), 0.7 * self.options.cell)
         self._hit(np.column_stack([holes, np.full(len(holes), self.options.bands[0])]))
@@ -214,12 +215,12 @@ class ObstacleMap:
     @property
     def time(self) -> float:
         """When the sensor that has been silent longest last spoke [s]; -inf: one never has."""
-        return min(self._heard.values(), default=-math.inf)
+        return self._words.oldest
 
     @property
     def heard(self) -> Mapping[str, float]:
         """When each sensor last spoke [s]."""
-        return dict(self._heard)
+        return self._words.times
 
     @property
     def extent(self) -> tuple[float, float, float, float]:
@@ -286,15 +287,6 @@ class ObstacleMap:
                 slab.reach,
                 self.options.deep,
             )
-
-    def _hear(self, sensor: str, time: float) -> None:
-        """Note that a sensor speaks, or refuse it before anything is changed."""
-        if not math.isfinite(time):
-            raise InputError("not a time", field="time", value=time)
-        if self.options.sensors and sensor not in self.options.sensors:
-            allowed = ", ".join(self.options.sensors)
-            raise InputError("no such sensor", field="sensor", value=sensor, allowed=allowed)
-        self._heard[sensor] = max(time, self._heard.get(sensor, -math.inf))
 
 
 def _pose(pose: ArrayLike) -> Array:
