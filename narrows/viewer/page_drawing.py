@@ -10,7 +10,7 @@ import shapely
 from viser import SceneApi
 
 from narrows.scene import Scene
-from narrows.se2 import Array
+from narrows.se2 import Array, transform
 from narrows.vehicle import Vehicle
 from narrows.world import FLOOR_TO_CEILING, Door, Solid
 
@@ -94,8 +94,10 @@ class SceneDrawing:
     def world(self, scene: Scene) -> None:
         """Draw the floor, the walls cut at `CUT`, and the doors; not the things."""
         self.remove("world")
-        shown = [shapely.box(*box) for box in (world_box(scene.world), view_box(scene, [])) if box]
-        floor = flat_mesh(shapely.box(*shapely.total_bounds(shown).tolist()), -0.004)
+        box = world_box(scene.world) or view_box(scene, [])
+        ends = [transform(pose, scene.vehicle.outline) for pose in (scene.start, scene.goal.pose)]
+        shown = shapely.MultiPoint(np.concatenate([*ends, np.reshape(box, (2, 2))])).bounds
+        floor = flat_mesh(shapely.box(*shown), -0.004)
         self.keep("world", self.mesh("/world/floor", floor, FLOOR))
         walls = [solid for solid in scene.world.solids if not is_thing(solid)]
         if walls:
