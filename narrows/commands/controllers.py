@@ -77,7 +77,7 @@ def _navigator(scene: Scene, motion: Path | Trajectory, wishes: Wishes) -> Fitte
 
     # By progress, not by the trajectory's clock: the chair may have to wait for somebody.
     path = motion.path if isinstance(motion, Trajectory) else motion
-    options = SimulationOptions(period=0.05)
+    options = SimulationOptions()
     limits = scene.vehicle.limits
     guard = GuardOptions(
         deceleration=limits.acceleration,
@@ -116,15 +116,13 @@ def _assistant(scene: Scene, motion: Path | Trajectory, wishes: Wishes) -> Fitte
 
 def _of_driver(name: str, finished: bool, scene: Scene) -> str:
     """Return how a drive ended for its driver, who does not aim at millimetres."""
-    from ..simulation.drivers import ARRIVED
-
     if finished:
         asked = f"{1e3 * scene.goal.position_tolerance:.0f} mm"
         if math.isfinite(scene.goal.heading_tolerance):
             asked += f" and {math.degrees(scene.goal.heading_tolerance):.3g} degrees"
         return (
-            f"the {name} driver let go within {1e3 * ARRIVED:.0f} mm of the end of their way, as "
-            f"people do; the goal asks for {asked}"
+            f"the {name} driver let go where they wanted to be, as near as people do; the goal "
+            f"asks for {asked}"
         )
     stuck = "" if scene.vehicle.limits.reverse_speed > 0.0 else "; this chair cannot back off"
     return f"the {name} driver did not get there in the time{stuck}"
@@ -194,8 +192,11 @@ def make_controller(
         silent_from: See `Wishes`.
 
     Raises:
-        InputError: If there is no such controller, driver or senses, or the regions cannot be used.
+        InputError: If there is no such controller, driver or senses, or the regions cannot be used,
+            or the time is none.
     """
     check_controller(name)
+    if not silent_from >= 0.0:
+        raise InputError("no time", field="--silent-from", value=silent_from, allowed=">= 0 s")
     wishes = Wishes(tracker, driver, regions, report, senses, silent_from)
     return _MAKERS[name](scene, motion, wishes)

@@ -25,7 +25,7 @@ from .driver_route import Route
 from .driver_sight import Sight
 from .driver_sticks import Stick, make_stick
 from .driver_traits import DRIVERS
-from .drivers import Driver, ScriptedDriver
+from .drivers import ARRIVED, Driver, ScriptedDriver
 from .fitted_sensors import FittedLaser, Schedule
 from .laser import LaserManners, front_and_rear
 from .localisation import EncoderOdometry
@@ -104,7 +104,15 @@ def scripted_driver(
     places = path(np.linspace(0.0, path.span, count))[:, :2]
     apart = np.hypot(*np.diff(places, axis=0).T) > _APART
     route = Route(places[np.concatenate([[True], apart])], _THERE)
-    return ScriptedDriver(DRIVERS[name], (route,), Sight(scene.world), stick, scene.vehicle, rng)
+    return ScriptedDriver(
+        DRIVERS[name],
+        (route,),
+        Sight(scene.world),
+        stick,
+        scene.vehicle,
+        rng,
+        arrived=min(ARRIVED, 0.5 * scene.goal.position_tolerance),
+    )
 
 
 def assisted_chair(

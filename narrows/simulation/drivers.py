@@ -32,6 +32,7 @@ _THINKS = 0.1  # s: a hand is told where to go ten times a second
 _MEMORIES = {"heading": 1.0, "judgement": 3.0}  # s
 _PIVOT, _PIVOTED = math.radians(65.0), math.radians(25.0)  # from, until: they turn on the spot
 _CHAIR = 0.1  # s: how late they know the chair to be
+_PAST = 0.01  # m before the end of the way: whoever is beside it goes no further
 _STILL = (0.04, 0.06)  # m/s, rad/s: slower is not moving
 
 
@@ -85,6 +86,8 @@ class ScriptedDriver:
         stick: Stick,
         vehicle: Vehicle,
         rng: np.random.Generator,
+        *,
+        arrived: float = ARRIVED,
     ) -> None:
         """Seat a driver.
 
@@ -95,8 +98,11 @@ class ScriptedDriver:
             stick: What they hold or wear.
             vehicle: The chair: its size as they know it, its speeds.
             rng: Source of their errors.
+            arrived: Distance from the end of their way at which they are there [m]; they slow down
+                for one that is less than `ARRIVED`.
         """
         self._traits, self._routes, self._sight, self._stick = traits, routes, sight, stick
+        self._arrived = arrived
         self._rng = rng
         self._errors = {
             "heading": GaussMarkov(traits.heading_noise, _MEMORIES["heading"], rng),
@@ -161,7 +167,9 @@ class ScriptedDriver:
         if mind.doing == "turning":
             mind.side, rate = self._steering.turn(points, target, mind.side)
             return 0.0, mind.side * rate
-        return self._steering.drive(points, self._curve(soon, heading_error), target)
+        v, omega = self._steering.drive(points, self._curve(soon, heading_error), target)
+        slower = self._slower_for_the_end(v)
+        return slower * v, slower * omega
 
     def _advance(self, pose: Array) -> None:
         """Find out how far along the way the chair is, and whether it has arrived."""
@@ -171,9 +179,16 @@ class ScriptedDriver:
         if mind.progress > mind.furthest + 0.4:
             mind.furthest, mind.tries = mind.progress, 0
         end_x, end_y = route.at(route.length)
-        near = math.hypot(pose[0] - end_x, pose[1] - end_y) < ARRIVED
-        if near and mind.progress > route.length - 2.0 * ARRIVED:
+        off, left = math.hypot(pose[0] - end_x, pose[1] - end_y), route.length - mind.progress
+        if (off < self._arrived and left < 2.0 * ARRIVED) or (off < ARRIVED and left < _PAST):
             mind.leg, mind.progress, mind.furthest, mind.tries = mind.leg + 1, 0.0, 0.0, 0
+
+    def _slower_for_the_end(self, v: float) -> float:
+        """Return the share of a speed at which the end of the way is not overrun."""
+        if self._arrived >= ARRIVED or v <= 0.0:
+            return 1.0
+        left = self._routes[self._mind.leg].length - self._mind.progress
+        return min(1.0, max(left, 0.5 * self._arrived) / (self._traits.headway * v))
 
     def _notice_standing(self, time: float, motion: Array) -> None:
         """Back off once the chair has not moved for as long as patience lasts."""

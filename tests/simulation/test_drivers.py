@@ -15,7 +15,7 @@ from narrows.simulation.driver_route import Route
 from narrows.simulation.driver_sight import Sight, SightOptions, free_travel
 from narrows.simulation.driver_sticks import make_stick
 from narrows.simulation.driver_traits import BOUNDS, DRIVERS, Traits, by_head
-from narrows.simulation.drivers import ScriptedDriver
+from narrows.simulation.drivers import ARRIVED, ScriptedDriver
 from narrows.simulation.plant import Plant, PlantOptions
 from narrows.world import MovingSolid, Solid, World
 
@@ -45,11 +45,28 @@ def drive(driver, start, *, seconds, latency=0.1, hold=None):
     return np.array(rows)
 
 
-def driver_on(places, traits=PERFECT, world=None, seed=0):
+def driver_on(places, traits=PERFECT, world=None, seed=0, **more):
     sight = Sight(world or World())
     return ScriptedDriver(
-        traits, (Route(places),), sight, STICK, CHAIR, np.random.default_rng(seed)
+        traits, (Route(places),), sight, STICK, CHAIR, np.random.default_rng(seed), **more
     )
+
+
+def test_who_wants_to_be_there_exactly_slows_down_for_the_end_of_the_way():
+    ends, speeds = {}, {}
+    for arrived in (ARRIVED, 0.03):
+        rows = drive(driver_on([[0, 0], [4, 0.02]], arrived=arrived), [0, 0, 0], seconds=20.0)
+        ends[arrived] = abs(rows[-1, 1] - 4.0)
+        speeds[arrived] = (rows[-1, 1] - rows[-3, 1]) / (rows[-1, 0] - rows[-3, 0])
+    assert ends[0.03] <= 0.03 < ends[ARRIVED] <= ARRIVED
+    assert speeds[0.03] < 0.15 < 0.6 < speeds[ARRIVED]
+
+
+def test_who_passes_beside_the_end_of_the_way_is_there_too():
+    driver = driver_on([[0, 0], [3, 0]], arrived=0.02)
+    rows = drive(driver, [0, 0.3, 0], seconds=20.0)
+    assert driver.finished
+    assert rows[-1, 1] < 3.1
 
 
 def test_eight_drivers_have_names_and_all_keep_the_bounds_of_their_traits():
