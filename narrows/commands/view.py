@@ -48,7 +48,8 @@ def run_view(
         commanded=CommandControllers(others, make_controller),
     )
     try:
-        say(f"serving {page.url} - press Ctrl-C to end")
+        taken = "" if port in (0, page.port) else f" (port {port} is taken)"
+        say(f"serving {page.url}{taken} - press Ctrl-C to end")
         if open_browser:
             webbrowser.open(page.url)
         page.wait()

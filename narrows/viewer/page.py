@@ -37,6 +37,7 @@ class Page:
         state: The scene every tab starts with.
         folder: The only folder that is written to.
         url: Where it is.
+        port: Its port there.
     """
 
     def __init__(
@@ -77,7 +78,8 @@ class Page:
         self._server.on_client_connect(self._opened)
         self._server.on_client_disconnect(self._closed)
         shown = "localhost" if host in ("0.0.0.0", "::", *LOOPBACK) else host
-        self.url = f"http://{shown}:{self._server.get_port()}"
+        self.port = self._server.get_port()
+        self.url = f"http://{shown}:{self.port}"
 
     def wait(self) -> None:
         """Serve until stopped.

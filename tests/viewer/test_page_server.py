@@ -1,5 +1,7 @@
 """Where the page listens, and to whom."""
 
+import signal
+import socket
 import subprocess
 import sys
 
@@ -50,6 +52,20 @@ def test_without_viser_one_line_says_how_to_install_it(monkeypatch, capsys):
     told = capsys.readouterr()
     assert told.out == ""
     assert told.err.startswith("narrows: viser is not installed; in narrows' folder, pip")
+
+
+@pytest.mark.slow
+def test_a_port_that_is_taken_is_said_and_the_next_one_served(tmp_path):
+    with socket.create_server(("127.0.0.1", 0)) as other:
+        taken = other.getsockname()[1]
+        command = [sys.executable, "-m", "narrows.cli", "view", "--no-open", "--port", str(taken)]
+        page = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, text=True)
+        with page:
+            line = page.stdout.readline()
+            page.send_signal(signal.SIGINT)
+            assert page.wait(60) == 0
+    assert f"(port {taken} is taken)" in line
+    assert f":{taken} " not in line
 
 
 @pytest.mark.slow
