@@ -167,9 +167,9 @@ def verify_command(scene: str, trajectory: str, picture: str | None, as_json: bo
 @click.option(
     "--senses",
     metavar="NAME",
-    help="What the navigator perceives with. ideal (default): all outlines within 3 m, so that the "
-    "drive judges the navigator alone; sensors: the chair's laser scanners and depth camera, noisy "
-    "and late, and the map that remembers.",
+    help="What the navigator perceives with. ideal (default): all outlines within 3.7 m, so that "
+    "the drive judges the navigator alone; sensors: the chair's laser scanners and depth camera, "
+    "noisy and late, and the map that remembers.",
 )
 @click.option(
     "--silent-from",

@@ -115,7 +115,7 @@ def run_drive(
     else:
         make = partial(make_controller, controller, scene, motion, tracker=tracker)
         make = partial(make, driver=driver or "steady", regions=regions)
-        make = partial(make, senses=senses or "ideal")
+        make = partial(make, senses="ideal" if senses is None else senses)
         make = partial(make, silent_from=math.inf if silent_from is None else silent_from)
         record, said = _watched(scene, motion, make, report)
         head = lines(head, (controller, said))
