@@ -144,7 +144,6 @@ def verify_command(scene: str, trajectory: str, picture: str | None, as_json: bo
     epilog=_examples(
         "narrows drive examples/scenes/door.yaml --picture drive.png",
         "narrows drive examples/scenes/door.yaml --save-trajectory door.csv --record drive.csv",
-        "narrows drive examples/scenes/door.yaml --trajectory door.csv --json",
         "narrows drive examples/scenes/somebody-in-the-door.yaml --controller navigator",
         "narrows drive examples/scenes/door.yaml --controller navigator --senses sensors",
         "narrows drive examples/scenes/course.yaml --controller assistant --driver hasty",
@@ -177,7 +176,12 @@ def verify_command(scene: str, trajectory: str, picture: str | None, as_json: bo
     metavar="SECONDS",
     help="When the navigator's senses fall silent for good.",
 )
-@click.option("--driver", metavar="NAME", help="Who drives with the assistant. Default: steady.")
+@click.option(
+    "--driver",
+    metavar="NAME",
+    help="Who drives with the assistant: steady (default), brisk, cautious, hasty, shaky, dreamy, "
+    "short-sighted, heavy-handed.",
+)
 @click.option(
     "--regions",
     type=click.Path(),
@@ -232,18 +236,15 @@ def drive_command(
 @narrows.command(
     "study",
     short_help="Run an experiment again.",
-    epilog=_examples(
-        "narrows study",
-        "narrows study door-bezier --out out/door-bezier --jobs 2",
-    ),
+    epilog=_examples("narrows study", "narrows study door-bezier --out out/door-bezier --jobs 2"),
 )
 @click.argument("name", required=False)
 @click.option("--out", type=click.Path(), metavar="FOLDER", help="Where to; default out/NAME.")
 @click.option("--jobs", default=1, show_default=True, metavar="N", help="Processes.")
 @click.option("--resume", is_flag=True, help="Keep the cases done by an earlier run.")
 @click.option("--seed", default=0, show_default=True, metavar="N", help="Seed of all randomness.")
-@click.option("--scenes", type=click.Path(), metavar="FILE", help="Scenes, for a study of scenes.")
-@click.option("--data", type=click.Path(), metavar="FOLDER", help="Maps, for a study of maps.")
+@click.option("--scenes", type=click.Path(), metavar="FILE", help="Further scenes, JSON.")
+@click.option("--data", type=click.Path(), metavar="FOLDER", help="Maps or recorded frames.")
 def study_command(
     name: str | None,
     out: str | None,
@@ -262,10 +263,7 @@ def study_command(
 @narrows.command(
     "view",
     short_help="Open the scene in 3-D in the browser.",
-    epilog=_examples(
-        "narrows view examples/scenes/door.yaml",
-        "narrows view --no-open --port 9000",
-    ),
+    epilog=_examples("narrows view examples/scenes/door.yaml", "narrows view --no-open"),
 )
 @click.argument("scene", type=click.Path(), required=False)
 @click.option(
@@ -290,11 +288,7 @@ def main() -> None:
 
 
 def run(arguments: Sequence[str]) -> int:
-    """Run a command and return its exit code; no exception leaves.
-
-    Args:
-        arguments: What follows `narrows` on the command line.
-    """
+    """Run what follows `narrows` on the command line and return its exit code."""
     return terminal.run(narrows, arguments)
 
 

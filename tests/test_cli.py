@@ -289,6 +289,7 @@ WRONG = {
     "record": ("drive", DOOR, "--record", "drive.xml"),
     "jobs": ("study", "door-bezier", "--jobs", "0"),
     "seed": ("study", "door-bezier", "--seed", "-1"),
+    "large seed": ("study", "door-bezier", "--seed", "9" * 20, "--out", "made"),
     "no maps": ("study", "real-maps", "--data", "file", "--out", "maps"),
     "out is a file": ("study", "real-maps", "--out", "file"),
 }

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from ..errors import StudyError
-from ..studies import run, summaries
+from ..studies import LARGEST_SEED, run, summaries
 from .outcome import OK, Outcome, lines
 
 
@@ -25,8 +25,9 @@ def run_study(
         return Outcome(OK, {}, lines("studies:", *rows))
     if jobs < 1:
         raise StudyError("no process to run on", field="--jobs", value=jobs, allowed=">= 1")
-    if seed < 0:
-        raise StudyError("the seed is negative", field="--seed", value=seed, allowed=">= 0")
+    if not 0 <= seed <= LARGEST_SEED:
+        allowed = f"0 to {LARGEST_SEED}"
+        raise StudyError("the seed is out of range", field="--seed", value=seed, allowed=allowed)
     folder = Path(out) if out is not None else Path("out") / name
     given = {"scenes": scenes, "data": data}
     options = {option: value for option, value in given.items() if value is not None}

@@ -11,6 +11,6 @@ Its name is the module's with hyphens: `door_bezier.py` is the study `door-bezie
 listed by hand, and no study is imported before it is run.
 """
 
-from .registry import Report, names, run, summaries
+from .registry import LARGEST_SEED, Report, names, run, summaries
 
-__all__ = ["Report", "names", "run", "summaries"]
+__all__ = ["LARGEST_SEED", "Report", "names", "run", "summaries"]

@@ -16,6 +16,9 @@ from typing import Any
 from ..errors import InputError, StudyError
 from ..files import write_whole
 
+LARGEST_SEED = 2**63 - 1
+"""What a table of results holds as a whole number."""
+
 _GIVEN = ("out", "jobs", "resume", "seed")
 
 
@@ -71,7 +74,7 @@ def run(
         out: Folder for all it writes; made if need be.
         jobs: Worker processes, >= 1.
         resume: Keep the cases that are done in `out` from an earlier run.
-        seed: Seed of everything random, >= 0.
+        seed: Seed of everything random, 0 to `LARGEST_SEED`.
         options: The study's own options.
 
     Raises:
@@ -85,6 +88,9 @@ def run(
         raise StudyError("there is no such study", value=name, allowed=allowed)
     if jobs < 1:
         raise StudyError("no process to run on", field="jobs", value=jobs, allowed=">= 1")
+    if not 0 <= seed <= LARGEST_SEED:
+        allowed = f"0 to {LARGEST_SEED}"
+        raise StudyError("the seed is out of range", field="seed", value=seed, allowed=allowed)
     study = importlib.import_module(f"{__package__}.{name.replace('-', '_')}")
     _check_options(name, inspect.signature(study.run).parameters, options)
     with _folder(out):
