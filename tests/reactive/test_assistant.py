@@ -1,6 +1,7 @@
 """What the assistant promises, on simulated drives: the true body among true obstacles."""
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -83,6 +84,9 @@ def check_promises(drive, limits=LIMITS):
             assert abs(now) <= abs(last if full[k] else slowing.value) + 1e-9
     assert taken[:, 0].max() <= limits.speed + 1e-9
     check_jerk(taken, full, limits)
+    states = [row["state"] for row in drive.signals]
+    begun = (AssistantState.FULL_USER_CONTROL, AssistantState.RESTORING_ORIENTATION)
+    assert begun not in list(pairwise(states))  # Fig. 4: only what was avoided is restored
 
 
 def check_jerk(taken, full, limits):
