@@ -48,42 +48,70 @@ def sort_pixels(
         obstacles and drop-offs the box, the nearest point and the square of its distance, shape
         (2, columns, rows, 10).
     """
-    counts = np.zeros((3, columns * rows), dtype=np.int32)
-    boxes = np.empty((2 * columns * rows, 10))  # rows are written when they are first needed
-    across = (np.arange(image.shape[1]) - lens[2]) / lens[0]
+    total, width = columns * rows, image.shape[1]
+    counts = np.zeros(3 * total, dtype=np.int32)
+    boxes = np.empty((2 * total, 10))  # rows are written when they are first needed
+    across = (np.arange(width) - lens[2]) / lens[0]
     # Where a pixel is in units of cells, without its depth: ahead, left and up of the camera.
     scale = 1.0 / area[2]
-    x0, y0, height = (pose[0, 3] - area[0]) * scale, (pose[1, 3] - area[1]) * scale, pose[2, 3]
-    lowest, growth, highest, furthest = limits[0], limits[1], limits[2], limits[3]
+    x0, y0 = (pose[0, 3] - area[0]) * scale, (pose[1, 3] - area[1]) * scale
     aheads, lefts, ups = pose[0, 0] * across, pose[1, 0] * across, pose[2, 0] * across
+    height, lowest, growth = pose[2, 3], limits[0], limits[1]
+    highest, furthest = limits[2], limits[3]
+    places, points = np.empty(width, dtype=np.int32), np.empty((3, width))
     for v in range(image.shape[0]):
         down = (v - lens[3]) / lens[1]
         ahead = pose[0, 1] * down + pose[0, 2]
         left = pose[1, 1] * down + pose[1, 2]
         up = pose[2, 1] * down + pose[2, 2]
-        for u in range(image.shape[1]):
+        for u in range(width):  # without a branch: several pixels at a time
             z = np.float32(image[v, u]) / per_metre
             rise = z * (ups[u] + up)
             above, least = height + rise, lowest + growth * z
-            if z <= 0.0 or z > furthest or above > highest:
-                continue
-            kind, reach = _FLOOR, np.float64(z)
-            if above > least:
-                kind = _RISE
-            elif above < -least:
-                kind, reach = _DROP, -z * height / rise
+            drops = above < -least
+            kind = _RISE if above > least else (_DROP if drops else _FLOOR)
+            reach = -z * height / rise if drops else np.float64(z)
             x = x0 + scale * reach * (aheads[u] + ahead)
             y = y0 + scale * reach * (lefts[u] + left)
-            if not (x >= 0.0 and x < columns and y >= 0.0 and y < rows):
-                continue
-            cell = int(x) * rows + int(y)
-            counts[kind, cell] += 1
-            if kind != _FLOOR:
-                place = (kind - 1) * columns * rows + cell
-                if counts[kind, cell] == 1:
-                    _empty(boxes[place])
-                _widen(boxes[place], area[0] + x * area[2], area[1] + y * area[2], above)
+            counts_here = (z > 0.0) & (z <= furthest) & (above <= highest)
+            counts_here &= (x >= 0.0) & (x < columns) & (y >= 0.0) & (y < rows)
+            cell = np.int32(x) * rows + np.int32(y) if counts_here else 0
+            places[u] = kind * total + cell if counts_here else -1
+            points[0, u], points[1, u], points[2, u] = x, y, above
+        _count_row(places, points, area, total, counts, boxes)
     return counts.reshape(3, columns, rows), boxes.reshape(2, columns, rows, 10)
+
+
+@compiled
+def _count_row(
+    places: NDArray[np.int32],
+    points: Array,
+    area: Array,
+    total: int,
+    counts: NDArray[np.int32],
+    boxes: Array,
+) -> None:
+    """Count a row's pixels where they belong, and make the boxes of what is no floor hold them.
+
+    Args:
+        places: Of each pixel the kind times the number of cells, and its cell; -1: nowhere.
+        points: Place in cells from the grid's corner, height [m], shape (3, width).
+        area: Lower corner of the grid and its cell [m].
+        total: Number of cells.
+        counts: Pixels of each kind and cell, shape (3 total,).
+        boxes: Of obstacles and drop-offs, shape (2 total, 10).
+    """
+    x0, y0, cell = area[0], area[1], area[2]
+    for u in range(len(places)):
+        place = places[u]
+        if place < 0:
+            continue
+        counts[place] += 1
+        if place >= total:
+            box = boxes[place - total]
+            if counts[place] == 1:
+                _empty(box)
+            _widen(box, x0 + points[0, u] * cell, y0 + points[1, u] * cell, points[2, u])
 
 
 @compiled
