@@ -284,6 +284,7 @@ def view_command(scene: str | None, host: str, port: int, no_open: bool) -> Outc
 
 def main() -> None:
     """Run the command line of this process."""
+    terminal.show_what_can_be_shown()
     sys.exit(run(sys.argv[1:]))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import io
 import json
 import os
 import sys
@@ -42,6 +43,12 @@ def run(command: click.Command, arguments: Sequence[str]) -> int:
         _tell(f"standard output cannot be written: {error.strerror or error}")
         return WRONG_INPUT
     return code
+
+
+def show_what_can_be_shown() -> None:
+    """Let standard output escape the characters that a terminal has not, rather than fail."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")
 
 
 @contextlib.contextmanager

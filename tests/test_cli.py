@@ -380,6 +380,14 @@ def test_an_output_that_takes_nothing_ends_in_an_exit_code(closed):
     assert "Traceback" not in done.stderr
 
 
+def test_a_name_that_the_terminal_cannot_show_is_escaped(tmp_path):
+    scene = tmp_path / "scene.yaml"
+    scene.write_text("name: Ω\n" + STRAIGHT_ROOM.strip(), encoding="utf-8")
+    done = narrows("passable", str(scene), env={"PYTHONIOENCODING": "latin-1"})
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith("\\u03a9: passable")
+
+
 def test_shell_completion_knows_the_verbs_and_options():
     environment = {
         "_NARROWS_COMPLETE": "bash_complete",
