@@ -85,9 +85,9 @@ def _assumptions(length: float, width: float, overhang: float) -> str:
         "y = 0.15..1.75 m before a wall 0.10 m thick with P_d in its middle; "
         f"the chair is {length:.2f} x {width:.2f} m with its drive axle {overhang:.2f} m before "
         "its back; 0.4 m/s; look-ahead 0.28 m; control period 0.02 s; wheels that answer at once. "
-        "Clearance is certified on the swept body; negative: it cuts that deep (the shortest shift "
-        "that would part the two). It is given for "
-        "the reference point on the drive axle and in the middle of the chair."
+        "Clearance is certified on the swept body, a proven bound at most 1 mm below what is "
+        "attained; negative: it cuts that deep (the shortest shift that would part the two). It is "
+        "given for the reference point on the drive axle and in the middle of the chair."
     )
 
 
@@ -131,7 +131,7 @@ def _obstacle_text(free: ObstacleRun, avoiding: ObstacleRun) -> str:
         f"{avoiding.costs[0]:.2f} + {avoiding.costs[1]:.2f} 1/m². The second segment is planned "
         f"from where the chair truly is at the door, ({arrived[0]:.3f}, {arrived[1]:.3f}) m, its "
         f"heading of {np.degrees(arrived[2]):.1f} deg adjusted to the door's normal first. "
-        f"Certified: {avoiding.certificate.reason}."
+        f"Of both together the certificate says: {avoiding.certificate.reason}."
     )
 
 
