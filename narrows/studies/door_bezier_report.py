@@ -131,7 +131,7 @@ def _obstacle_text(free: ObstacleRun, avoiding: ObstacleRun) -> str:
         f"{avoiding.costs[0]:.2f} + {avoiding.costs[1]:.2f} 1/m². The second segment is planned "
         f"from where the chair truly is at the door, ({arrived[0]:.3f}, {arrived[1]:.3f}) m, its "
         f"heading of {np.degrees(arrived[2]):.1f} deg adjusted to the door's normal first. "
-        f"Of both together the certificate says: {avoiding.certificate.reason}."
+        f"Of the whole way the certificate says: {avoiding.certificate.reason}."
     )
 
 
