@@ -138,21 +138,25 @@ def mark_passed_bands(cells: Cells, i: int, j: int, bands: np.uint32) -> None:
 
     Each cell once an update: unlike `mark_passed` this does not remember that it did.
     """
-    hit, certainty, touched = int(cells.mark[0]) + 1, cells.certainty, cells.touched
-    left = bands & ~cells.settled[i, j]
+    hit, touched = int(cells.mark[0]) + 1, cells.touched
+    certainty, miss, least = cells.certainty, cells.miss, -cells.hit
     occupied, free, settled = cells.occupied[i, j], cells.free[i, j], cells.settled[i, j]
-    for band in range(certainty.shape[2]):
+    left, band = np.uint64(bands & ~settled), -1
+    while left:
+        band += 1
+        is_passed = left & np.uint64(1)
+        left >>= np.uint64(1)
         bit = np.uint32(1) << np.uint32(band)
         # A cell hit in this update is occupied: only then is its mark looked at.
-        if not left & bit or (occupied & bit and touched[i, j, band] == hit):
+        if not is_passed or (occupied & bit and touched[i, j, band] == hit):
             continue
-        value = max(int(certainty[i, j, band]) - cells.miss, -cells.hit)
+        value = max(int(certainty[i, j, band]) - miss, least)
         certainty[i, j, band] = value
         if value < cells.hit:
             occupied &= ~bit
         if value < 0:
             free |= bit
-        if value == -cells.hit:
+        if value == least:
             settled |= bit
     cells.occupied[i, j], cells.free[i, j], cells.settled[i, j] = occupied, free, settled
 

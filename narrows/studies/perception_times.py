@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -9,10 +10,13 @@ from typing import Any
 
 import numpy as np
 
+from ..perception.camera import Mounting
 from ..perception.map_scan import scan_of_map
 from ..perception.obstacle_map import ObstacleMap
+from ..perception.obstacles import ObstacleFinder
 from ..perception.openings import find_corridor, find_doors
 from ..se2 import Array
+from ..simulation.depth_sensor import DepthSensor, kinect
 from ..simulation.laser import front_and_rear
 from ..simulation.surfaces import SensedWorld
 from ..vehicle import Vehicle
@@ -66,6 +70,8 @@ def measure_map_and_openings(rng: np.random.Generator) -> dict[str, Any]:
     sensed = SensedWorld(drive.world)
     scanners = front_and_rear(drive.vehicle)
     chart = ObstacleMap(vehicle=drive.vehicle, pose=drive.poses[0])
+    camera = DepthSensor(kinect(Mounting(1.0, math.radians(20.0), drive.vehicle.front_overhang)))
+    finder = ObstacleFinder(camera.camera)
     spent: dict[str, list[float]] = {}
 
     def timed(name: str, function: Callable[..., Any], *given: Any) -> Any:
@@ -83,6 +89,8 @@ def measure_map_and_openings(rng: np.random.Generator) -> dict[str, Any]:
             doors = timed("doors_ms", find_doors, scan)
             timed("corridor_ms", find_corridor, scan)
             widths += [door.width for door in doors if abs(door.width - 0.9) < 0.2]
+        frame = camera.measure(sensed, pose, step * _PERIOD, rng=rng)
+        timed("frame_ms", chart.add_frame, frame, finder.see(frame, step * _PERIOD), finder)
         timed("percept_ms", chart.percept)
         timed("map_doors_ms", lambda: find_doors(scan_of_map(chart)))
     values: dict[str, Any] = {
