@@ -34,6 +34,8 @@ _LOOKS: tuple[tuple[str, Any, str], ...] = (
     (palette.ORANGE, (0, (3, 1.5, 1, 1.5)), "D"),
     (palette.RED, (0, (2, 1.2)), "P"),
     (palette.INK, (0, (1, 1)), "X"),
+    (palette.OUTLINE, "-", "*"),
+    (palette.GREEN, (0, (1, 1)), "<"),
 )
 _OFFSET = 0.32  # of the distance between two levels, within which the planners stand
 

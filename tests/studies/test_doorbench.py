@@ -21,7 +21,8 @@ from narrows.studies import run
 from narrows.studies.doorbench_generator import LEVELS, doorbench_rows
 from narrows.studies.doorbench_judge import figures_of
 from narrows.studies.doorbench_planners import CONTESTANTS, available
-from narrows.studies.doorbench_profile import profile_plans
+from narrows.studies.doorbench_profile import Profile, profile_plans
+from narrows.studies.doorbench_report import report_of
 from narrows.studies.doorbench_scenes import doorbench_scene, read_doorbench
 from narrows.studies.doorbench_tables import MEDIANS, compare, summarise
 from narrows.studies.ompl_baseline import is_installed, ompl_path
@@ -262,6 +263,16 @@ def test_a_comparison_is_over_the_scenes_both_solve():
 
 
 @pytest.mark.slow
+def test_the_report_compares_ours_with_as_little_clearance_with_the_others_too():
+    way = {"scene": "1", "level": "x", "is_valid": True, "answer": "certified", "is_claimed": True}
+    planners = ["narrows", "narrows-1mm", "obca-rechecked"]
+    table = table_of(*({**way, "planner": name, "integral_k2": 2.0} for name in planners))
+    summary = summarise(table, planners, ["x"], seed=0)
+    report = report_of(table, summary, Profile(0, 0.0, (), ()), planners, source="drawn")
+    assert "## `narrows` and the others" in report
+    assert "## `narrows-1mm` and the others" in report
+
+
 def test_the_stages_account_for_nearly_all_of_a_plans_time():
     """A renamed function would fall out of the profile."""
     scenes = [doorbench_scene(ROWS[name]) for name in ("c30_00", "c15_01", "c10_02")]
@@ -319,6 +330,14 @@ def test_asked_for_the_same_clearance_ours_bends_less_than_when_asked_for_more()
     near, far = figures_of(scene, touching), figures_of(scene, ours)
     assert near.clearance_mm < far.clearance_mm
     assert near.integral_k2 <= far.integral_k2
+
+
+def test_no_two_planners_look_alike_in_the_pictures():
+    from narrows.viewer.doorbench_pictures import look_of
+
+    looks = [look_of(name, list(CONTESTANTS)) for name in CONTESTANTS]
+    assert len({(colour, str(dashes)) for colour, dashes, _ in looks}) == len(looks)
+    assert len({marker for *_, marker in looks}) == len(looks)
 
 
 def test_ours_are_marked_as_ours():
