@@ -32,6 +32,7 @@ Velocities = Callable[[float, Array], Array]
 """Velocities over the floor (N, 2) [m/s] of points of the world (N, 3) at a time [s]."""
 
 _FACING = math.radians(75.0)  # the target is before the chair
+_BESIDE = 0.1  # m: what stands that near beside the way straight on bars it too
 
 
 @dataclass(frozen=True)
@@ -108,7 +109,7 @@ class Navigator:
         """
         self.options = NavigatorOptions() if options is None else options
         self._limits = limits = vehicle.limits
-        self._half = float(np.abs(vehicle.outline[:, 1]).max()) + 0.1
+        self._half = float(np.abs(vehicle.outline[:, 1]).max()) + _BESIDE
         self._target = np.array(target, dtype=float)
         if self._target.shape != (2,) or not np.isfinite(self._target).all():
             raise ShapeError(f"the target must be a finite point (2,), got {self._target}")
