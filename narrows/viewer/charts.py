@@ -53,7 +53,9 @@ def draw_curvature(axes: Axes, motion: Path | Trajectory, vehicle: Vehicle, colo
     curvature = path.curvature(progress)
     curvature[np.abs(curvature) > _PIVOT] = np.nan  # as good as on the spot: a gap
     axes.plot(abscissa, curvature, color=colour, linewidth=1.8)
-    greatest = float(np.nanmax(np.abs(curvature), initial=0.0))
+    greatest = path.max_curvature  # between the samples too
+    if greatest > _PIVOT:
+        greatest = float(np.nanmax(np.abs(curvature), initial=0.0))
     limit = vehicle.limits.curvature
     if math.isfinite(limit) and limit <= 3.0 * max(greatest, 0.5):
         _draw_limit(axes, limit, both=bool(np.nanmin(curvature, initial=0.0) < -0.3 * limit))
