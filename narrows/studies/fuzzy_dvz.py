@@ -76,8 +76,8 @@ def run(
 ) -> str:
     """Run the study into a folder and return its report.
 
-    Writes `paper.csv`, `clutter.csv`, `people.csv`, `odd.csv`, `dropouts.csv`, `sensed.csv` and a
-    figure of each of the paper's runs and of some random worlds.
+    Writes `paper.csv`, `clutter.csv`, `people.csv`, `odd.csv`, `dropouts.csv`, `sensed.csv`, the
+    scene and a figure of each of the paper's runs, and a figure of some random worlds.
 
     Args:
         out: Folder.

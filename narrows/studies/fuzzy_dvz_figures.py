@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ..reactive.zone_shape import ZoneShape
+from ..scene import write_scene
 from .fuzzy_dvz_runs import BLIND, Drive, drive, guarded_options
 from .fuzzy_dvz_scenes import PAPER_SCENES, cluttered
 
@@ -15,17 +16,17 @@ DRAWN = 6
 """Random worlds in the figure of them."""
 
 
-def file_of(name: str) -> str:
-    """Return the file of the figure of one of the paper's runs.
+def file_of(name: str, suffix: str = ".png") -> str:
+    """Return the file of the figure, or with ".yaml" of the scene, of one of the paper's runs.
 
     >>> file_of("table, ball, chair")
     'table-ball-chair.png'
     """
-    return name.replace(", ", "-").replace(" ", "-") + ".png"
+    return name.replace(", ", "-").replace(" ", "-") + suffix
 
 
 def draw(out: Path, seed: int, names: Sequence[str], worlds: int) -> None:
-    """Draw the paper's runs, and some random worlds, into a folder.
+    """Draw the paper's runs, and some random worlds, into a folder; write the former's scenes.
 
     Args:
         out: Folder.
@@ -43,6 +44,7 @@ def draw(out: Path, seed: int, names: Sequence[str], worlds: int) -> None:
     thresholds = guarded_options().thresholds
     for name in names:
         scene = PAPER_SCENES[name]()
+        write_scene(scene, out / file_of(name, ".yaml"))
         figure = run_figure(
             drawn(name, drive(scene)),
             thresholds=(thresholds.leave, thresholds.enter),

@@ -8,7 +8,7 @@ import pytest
 from narrows.errors import StudyError
 from narrows.reactive.deformable_zone import DeformableZone, RayGrid
 from narrows.reactive.zone_shape import ZoneShape
-from narrows.scene import check_scene
+from narrows.scene import check_scene, load_scene
 from narrows.studies.fuzzy_dvz_plausible import disc_way, holding_disc, is_plausible
 from narrows.studies.fuzzy_dvz_printed import printed_sums
 from narrows.studies.fuzzy_dvz_runs import (
@@ -188,4 +188,5 @@ def test_the_whole_study_writes_its_report_and_figures(tmp_path):
     assert "## Failed cases" not in report.text
     pictures = {file.name for file in tmp_path.glob("*.png")}
     assert {"worlds.png", "three-fixed.png", "person.png"} <= pictures
+    assert load_scene(tmp_path / "person.yaml").world.moving[0].name == "person"
     assert (tmp_path / "clutter.csv").read_text().count("\n") == 1 + 2 + 3
