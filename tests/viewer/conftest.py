@@ -122,6 +122,18 @@ class Tab:
         found = self.driver.find_elements(By.XPATH, path)
         return [field for field in found if field.is_displayed()]
 
+    def choose(self, label, option):
+        self.field(label).click()
+
+        def choice():
+            shown = [part for part in self.all("[role=option]") if part.text == option]
+            return shown[0].click() or True
+
+        self.until(choice, f"an option {option!r}")
+
+    def tick(self, label):
+        self.until(lambda: self.field(label).click() or True, f"a box {label!r}")
+
     def type(self, label, text):
         from selenium.webdriver.common.keys import Keys
 
@@ -204,10 +216,10 @@ def tab(driver):
     driver.switch_to.window(driver.window_handles[0])
 
 
-def kept(folder, *, quiet=True):
+def kept(folder, *scene, quiet=True):
     """Serve a page while a test uses it, and see that it ended well, without a word if quiet."""
     pytest.importorskip("viser", reason="viser is not installed (extra view)")
-    served = serve(folder)
+    served = serve(folder, *scene)
     yield served
     assert end(served) == 0
     with served.process.stdout as told:
@@ -228,7 +240,7 @@ def served(tmp_path_factory):
 
 @pytest.fixture
 def serving(tmp_path):
-    """Return what serves the default page anew, each time it is called."""
+    """Return what serves a page anew, each time it is called: of a scene file, or the default."""
     with contextlib.ExitStack() as stack:
         pages = contextlib.contextmanager(kept)
-        yield lambda: stack.enter_context(pages(tmp_path))
+        yield lambda *scene: stack.enter_context(pages(tmp_path, *scene))

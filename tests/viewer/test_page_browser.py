@@ -187,15 +187,58 @@ def test_a_drive_is_judged_and_nothing_is_cut_off(served, tab, tmp_path):
         tab.until(lambda w=width: 0.15 < dark_share(tab, tmp_path, w) < 0.9, "the scene")
 
 
+LAYERED = """
+name: a stool and a box beside the way
+vehicle: narrow-arcs
+world:
+  solids:
+    - {polygon: [[-0.8, 1.9], [3.6, 1.9], [3.6, 2.0], [-0.8, 2.0]], name: wall}
+    - {circle: [1.6, 0.9, 0.2], z: [0, 0.5], name: stool}
+    - {polygon: [[0.9, -1.5], [1.5, -1.5], [1.5, -1.0], [0.9, -1.0]], z: [0, 0.6], name: box}
+start: {x: 0, y: 0, heading_deg: 0}
+goal: {x: 2.4, y: 0, heading_deg: 0, position_tolerance: 0.2, heading_tolerance_deg: 30}
+"""
+
+
+def test_what_the_navigator_knows_and_who_is_in_control_are_shown_and_replayed(
+    serving, tab, tmp_path
+):
+    (tmp_path / "layers.yaml").write_text(LAYERED)
+    tab.open(serving("layers.yaml").url)
+    tab.choose("who drives", "zone navigator")
+    tab.click("Drive")
+    tab.verdict_with("mm clear, driven")
+    assert "intrusion" in tab.now
+    tab.tick("rays")
+    tab.tick("unknown")
+    tab.type("time [s]", "9")
+    tab.until(lambda: "at 9.00 s\nin control: " in tab.now, "who is in control")
+    seen(tab, tmp_path / "page-layers.png")
+    tab.tab("Save")
+    tab.click("Replay (.html)")
+    tab.answer_with("written: layers-page.html")
+    tab.driver.get((tmp_path / "layers-page.html").as_uri())
+    tab.verdict_with("mm clear, driven")
+    (legend,) = tab.all("#narrows-banner")
+    assert "in control: " in legend.text
+    assert "zone" in legend.text
+    assert "shown: rays, points, unknown, zone" in legend.text
+
+
 def dark_share(tab, folder, width):
     """Return how much of the scene is not background."""
-    from selenium.webdriver.common.action_chains import ActionChains
-
-    ActionChains(tab.driver).move_to_element(tab.all(".narrows-verdict")[0]).perform()  # no hints
-    tab.until(lambda: not tab.all("[role=tooltip]"), "the end of hints")
     from PIL import Image
 
     file = folder / f"page-{width}.png"
-    tab.driver.save_screenshot(str(file))
+    seen(tab, file)
     pixels = np.asarray(Image.open(file).convert("RGB"), dtype=int)
     return (pixels[:, : width - 340].sum(axis=2) < 690).mean()
+
+
+def seen(tab, file):
+    """Keep what is seen, without the hint of what the pointer is at."""
+    from selenium.webdriver.common.action_chains import ActionChains
+
+    ActionChains(tab.driver).move_to_element(tab.all(".narrows-verdict")[0]).perform()
+    tab.until(lambda: not tab.all("[role=tooltip]"), "the end of hints")
+    tab.driver.save_screenshot(str(file))
