@@ -344,7 +344,7 @@ def test_an_interrupted_command_is_130(monkeypatch, cli):
 def narrows(*arguments: str, **options: object) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "-m", "narrows.cli", *arguments]
     return subprocess.run(
-        command, capture_output=True, text=True, timeout=60, check=False, **options
+        command, capture_output=True, text=True, timeout=600, check=False, **options
     )
 
 
@@ -362,7 +362,7 @@ def test_version_help_and_no_verb():
 def test_a_reader_that_goes_away_ends_the_command_quietly():
     command = f"{sys.executable} -m narrows.cli passable {DOOR} | true; echo ${{PIPESTATUS[0]}}"
     done = subprocess.run(
-        ["bash", "-c", command], capture_output=True, text=True, timeout=60, check=False
+        ["bash", "-c", command], capture_output=True, text=True, timeout=600, check=False
     )
     assert done.stderr == ""
     assert done.stdout.strip() == "141"
@@ -374,7 +374,7 @@ def test_an_output_that_takes_nothing_ends_in_an_exit_code(closed):
     verb = "passable nowhere.yaml" if "json" in closed else verb
     command = f"{sys.executable} -m narrows.cli {verb} {closed}"
     done = subprocess.run(
-        ["bash", "-c", command], capture_output=True, text=True, timeout=60, check=False
+        ["bash", "-c", command], capture_output=True, text=True, timeout=600, check=False
     )
     assert done.returncode == (0 if closed == ">&-" else 2)
     assert "Traceback" not in done.stderr

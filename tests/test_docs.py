@@ -52,7 +52,7 @@ def test_the_python_shown_runs(page, beside_the_examples):
             [sys.executable, "-W", "error", "-c", block],
             capture_output=True,
             text=True,
-            timeout=120,
+            timeout=600,
             check=False,
         )
         assert done.returncode == 0, done.stderr
