@@ -52,25 +52,10 @@ def test_a_chair_is_changed_planned_narrowed_played_saved_and_found_again(served
     assert scene.vehicle.width == pytest.approx(0.7, abs=1e-9)
     assert verify(scene, read_trajectory(served.folder / "door-page.csv")).is_certified
 
-    plays_alone(tab, served.folder / "door-page.html")
     tab.open(served.url)  # a reload starts from the scene that was given
     tab.verdict_with("not planned yet")
     tab.tab("Chair")
     assert tab.field("width [m]").get_attribute("value") == "0.67"
-
-
-def plays_alone(tab, file):
-    """See that a replay plays from a file, without network."""
-    network = {"latency": 0, "downloadThroughput": -1, "uploadThroughput": -1}
-    tab.driver.execute_cdp_cmd("Network.enable", {})
-    tab.driver.execute_cdp_cmd("Network.emulateNetworkConditions", {"offline": True, **network})
-    tab.driver.get(file.as_uri())
-    tab.verdict_with("certified", "mm clear")
-    clock = "return document.querySelector('input[inputmode=decimal]').value"
-    tab.until(lambda: float(tab.driver.execute_script(clock)) > 0.3, "a replay that plays")
-    asked = "return performance.getEntriesByType('resource').map(e => e.name)"
-    assert not [name for name in tab.driver.execute_script(asked) if name.startswith("http")]
-    tab.driver.execute_cdp_cmd("Network.emulateNetworkConditions", {"offline": False, **network})
 
 
 def test_two_pages_keep_their_own_state(served, tab):
@@ -217,12 +202,25 @@ def test_what_the_navigator_knows_and_who_is_in_control_are_shown_and_replayed(
     tab.tab("Save")
     tab.click("Replay (.html)")
     tab.answer_with("written: layers-page.html")
-    tab.driver.get((tmp_path / "layers-page.html").as_uri())
-    tab.verdict_with("mm clear, driven")
+    plays_alone(tab, tmp_path / "layers-page.html")
     (legend,) = tab.all("#narrows-banner")
     assert "in control: " in legend.text
     assert "zone" in legend.text
     assert "shown: rays, points, unknown, zone" in legend.text
+
+
+def plays_alone(tab, file):
+    """See that a replay plays from a file, without network."""
+    network = {"latency": 0, "downloadThroughput": -1, "uploadThroughput": -1}
+    tab.driver.execute_cdp_cmd("Network.enable", {})
+    tab.driver.execute_cdp_cmd("Network.emulateNetworkConditions", {"offline": True, **network})
+    tab.driver.get(file.as_uri())
+    tab.verdict_with("mm clear")
+    clock = "return document.querySelector('input[inputmode=decimal]').value"
+    tab.until(lambda: float(tab.driver.execute_script(clock)) > 0.3, "a replay that plays")
+    asked = "return performance.getEntriesByType('resource').map(e => e.name)"
+    assert not [name for name in tab.driver.execute_script(asked) if name.startswith("http")]
+    tab.driver.execute_cdp_cmd("Network.emulateNetworkConditions", {"offline": False, **network})
 
 
 def dark_share(tab, folder, width):
