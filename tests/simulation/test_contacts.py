@@ -160,7 +160,7 @@ def test_somebody_who_stays_at_the_chair_costs_no_look_at_every_row(speed, monke
     found = contacts(world, CHAIR, times, poses)
     assert len(found) == 1
     assert found[0].start == pytest.approx(2.0 - 0.10 / 1.275, abs=0.021)  # 0.55 m from the axis
-    assert len(asked) < 60  # a dozen for each end of the spell; with one for each row it would be 200
+    assert len(asked) < 60  # a dozen for each end of the spell; one for each row would be 200
     monkeypatch.setattr(
         "narrows.simulation.contacts._meets_moving", lambda *_: np.zeros(len(times), dtype=bool)
     )
