@@ -120,17 +120,19 @@ class _Journey:
         self._pose, self._time = scene.start, 0.0
         self._views: list[View] = []
         self._legs: list[Trajectory] = []
+        self._given_up = ""  # why it was given up, but for what is only remembered
 
     def go(self) -> SensedPlan:
         """Look, plan and drive until the goal is reached or nothing leads on."""
         for _ in range(self._options.views):
             view, reason = self._look_and_plan()
-            if view.leg is None and self._legs:
+            if view.leg is None and self._legs and not self._given_up:
+                self._given_up = reason
                 self._lookout.map.forget()  # what is only remembered may have gone
                 view, reason = self._look_and_plan()
             self._views.append(view)
             if view.leg is None or view.leg.trajectory is None:
-                return self._failed(reason)
+                return self._failed(self._given_up or reason)
             self._drive(view.leg.trajectory)
             if not view.into_the_unknown:
                 return self._judged()
@@ -161,23 +163,25 @@ class _Journey:
             hope = self._plan_in(space.hopeful, self._scene.goal, wider=wider)
             if hope.path is None:
                 return None, f"what is seen leaves no way to the goal: {hope.reason}"
-            stop = self._end_of_sight(space, hope.path)
+            stop, barred = self._end_of_sight(space, hope.path)
             if stop is not None:
                 leg, why = self._planned(space, Goal(stop))
                 if leg is not None:
                     return leg, why
-        return None, f"{reason}, and no step towards it leads through what is seen to be free"
+        where = f"on the way hoped for at ({barred[0]:.2f}, {barred[1]:.2f})"
+        return None, f"{reason}, and the chair comes no nearer: {where} it is not seen to be free"
 
-    def _end_of_sight(self, space: SensedSpace, path: Path) -> Array | None:
-        """Return the last pose of a path up to which it is seen to be free, or None: too near."""
+    def _end_of_sight(self, space: SensedSpace, path: Path) -> tuple[Array | None, Array]:
+        """Return the last pose of a path up to which it is seen to be free, and the one beyond.
+
+        The former is None if it is too near to be worth the way.
+        """
         progress = np.linspace(0.0, path.span, max(2, math.ceil(path.span / 0.02)))
         free, _ = clearance_at(space.cautious, self._scene.vehicle, path(progress))
         blocked = np.flatnonzero(free < min(self._scene.margin, _TIGHT))
-        end = progress[blocked[0]] if len(blocked) else path.span
-        end -= self._options.stop_short
-        if end < self._options.least_step:
-            return None
-        return path(end)
+        end = float(progress[blocked[0]]) if len(blocked) else path.span
+        step = end - self._options.stop_short
+        return (path(step) if step >= self._options.least_step else None), path(end)
 
     def _planned(self, space: SensedSpace, goal: Goal) -> tuple[Plan | None, str]:
         """Return a plan whose motion is proven clear of every cell that is not seen to be free."""
@@ -220,6 +224,15 @@ class _Journey:
         parts = (whole.path, whole, found.certificate)
         return SensedPlan(Plan(PlanStatus.CERTIFIED, PLANNER, reason, *parts), tuple(self._views))
 
+    def _narrow_doors(self) -> str:
+        """Return what is to be said of doors that were seen and are narrower than the chair."""
+        doors = self._views[-1].space.doors if self._views else ()
+        width = self._scene.vehicle.width
+        narrow = [f"{door.width:.2f} m" for door in doors if door.width < width]
+        if not narrow:
+            return ""
+        return f"; seen to be narrower than the chair ({width:.2f} m): door of {', '.join(narrow)}"
+
     def _hint(self, proof: Certificate) -> str:
         """Return what to do about what the motion meets, if that is not plain."""
         if proof.is_clear:
@@ -232,7 +245,7 @@ class _Journey:
         return ": no sensor saw it from where the chair looked"
 
     def _failed(self, reason: str) -> SensedPlan:
-        told = f"{reason} (after {_views(len(self._views))})"
+        told = f"{reason} (after {_views(len(self._views))}){self._narrow_doors()}"
         return SensedPlan(Plan(PlanStatus.NOT_FOUND, PLANNER, told), tuple(self._views))
 
 
