@@ -54,7 +54,7 @@ class UnknownIsFree:
     """Senses that take for free what nothing is known of, as [DrivingAssistant]'s map does.
 
     Two scanners see little of what is beside the chair before it has driven past; an assistant
-    that drives into no unknown place is safer there, and a little slower.
+    that drives into no unknown place keeps further from what may be there.
     """
 
     def __init__(self, senses: Senses) -> None:
