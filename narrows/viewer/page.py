@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import socket
 import threading
@@ -95,9 +96,16 @@ class Page:
             sessions, self._sessions = list(self._sessions.values()), {}
         for session in sessions:
             session.close()
-        self._server.stop()
         self._runner.close()
+        self._hang_up()
+        self._server.stop()
         self._ended.set()
+
+    def _hang_up(self) -> None:
+        """End all connections: a browser keeps some in store, which the server would wait for."""
+        loop = self._server._websock_server._background_event_loop
+        if loop is not None and loop.is_running():
+            loop.call_soon_threadsafe(_end_connections, loop)
 
     def _dress(self) -> None:
         server, place = self._server, camera(self.state.scene)
@@ -140,6 +148,13 @@ class Page:
         connection = self._server._websock_server._live_connections.get(client.client_id)
         headers: Any = {} if connection is None else getattr(connection.request, "headers", {})
         return is_own_site(headers.get("Origin"), headers.get("Host"), self._host)
+
+
+def _end_connections(loop: asyncio.AbstractEventLoop) -> None:
+    """End what a server does for each of its connections; in the thread of its loop."""
+    for task in asyncio.all_tasks(loop):
+        if getattr(task.get_coro(), "__name__", "") == "conn_handler":
+            task.cancel()
 
 
 def is_own_site(origin: str | None, host: str | None, served: str) -> bool:
