@@ -105,6 +105,14 @@ def test_where_the_goal_cannot_be_seen_from_anywhere_it_says_so():
     assert_honest(scene, outcome)
 
 
+def test_of_a_door_that_is_seen_to_be_too_narrow_it_says_how_wide_it_is():
+    wall = (box(2.4, 0.0, 2.5, 1.2), box(2.4, 1.84, 2.5, 3.0))
+    wide = Vehicle.rectangle(1.0, 0.7, 0.25, height=1.2)
+    scene = replace(scene_of(room(*wall, x=4.5), goal=(3.4, 1.5, 0.0)), vehicle=wide)
+    reason = plan_sensed(scene, FAST).plan.reason
+    assert "seen to be narrower than the chair (0.70 m): door of 0.6" in reason
+
+
 def test_what_no_sensor_sees_is_touched_and_the_plan_refused():
     lasers_only = replace(FAST, look=replace(FAST.look, camera_headings=()))
     shelf = box(1.9, 0.0, 2.3, 3.0, z=(0.9, 1.1), name="shelf")
