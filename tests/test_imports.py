@@ -188,7 +188,7 @@ def loaded_by(code: str) -> set[str]:
     """Return the names of the top modules a fresh interpreter has loaded after some code."""
     script = f"import sys\n{code}\nprint(*{{name.split('.')[0] for name in sys.modules}})"
     result = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, check=True, timeout=60
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True, timeout=600
     )
     return set(result.stdout.split())
 

@@ -13,7 +13,7 @@ from narrows.scene import Scene, load_scene, read_scene
 
 pytestmark = pytest.mark.slow
 
-PATIENCE = 5.0  # s of CPU on a loaded machine; small inputs take hundredths
+PATIENCE = 60.0  # s of CPU on any machine; small inputs take hundredths
 
 VALID = {
     "name": "fuzzed",

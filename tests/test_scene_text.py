@@ -121,11 +121,11 @@ BOMB = "a0: &a0 [x, x, x, x, x, x, x, x, x]\n" + "".join(
     ],
     ids=["aliases", "lists", "mappings", "dashes", "closed", "large"],
 )
-def test_bombs_are_refused_within_a_second_or_so(text, problem):
+def test_bombs_are_refused_soon(text, problem):
     began = time.process_time()
     with pytest.raises(SceneError, match=problem):
         read_source(text, None)
-    assert time.process_time() - began < 3.0  # a loaded machine; typically below 0.5
+    assert time.process_time() - began < 60.0  # 0.5 here; what explodes takes for ever
 
 
 def test_text_is_utf_8_with_or_without_its_mark():

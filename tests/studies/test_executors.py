@@ -54,7 +54,7 @@ def living(session):
     return found
 
 
-def wait_until(condition, seconds=20.0):
+def wait_until(condition, seconds=300.0):
     end = time.monotonic() + seconds
     while time.monotonic() < end:
         if condition():
@@ -102,12 +102,12 @@ def test_a_case_out_of_time_is_stopped_and_the_others_are_done(tmp_path, functio
         table=tmp_path / "t",
         keys=("number",),
         jobs=jobs,
-        timeout_s=0.4,
+        timeout_s=2.0,
     )
     [late] = found.failed.rows
     assert late["number"] == 1
-    assert late["reason"] == "timed out after 0.4 s"
-    assert late["wall_s"] >= 0.4
+    assert late["reason"] == "timed out after 2 s"
+    assert late["wall_s"] >= 2.0
     assert late["cpu_s"] is None
     assert len(found.done) == 4
 
@@ -132,7 +132,8 @@ def test_a_script_without_a_guarded_entry_is_told_so(tmp_path):
         f"table = Path({str(tmp_path / 't')!r})\n"
         "sweep([{'a': 1}, {'a': 2}], f, table=table, keys=('a',), jobs=2)\n"
     )
-    done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, timeout=60)
+    command = [sys.executable, str(script)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=600)
     assert done.returncode == 1
     assert "ended before it could start" in done.stderr
 
@@ -167,7 +168,7 @@ def test_a_worker_killed_from_outside_costs_exactly_its_case(tmp_path):
     runs = [line.split() for line in (tmp_path / "log").read_text().splitlines()]
     [worker] = [int(worker) for number, worker in runs if int(number) == LONG]
     os.kill(worker, signal.SIGKILL)
-    _, errors = sweeping.communicate(timeout=60)
+    _, errors = sweeping.communicate(timeout=600)
     assert sweeping.returncode == 0, errors
     found = read_table(tmp_path / "t")
     assert [(row["number"], row["reason"]) for row in found.failed.rows] == [
@@ -186,12 +187,12 @@ def test_a_stopped_sweep_keeps_its_rows_leaves_no_process_and_resumes(tmp_path, 
         os.kill(sweeping.pid, signal.SIGKILL)
     else:
         os.killpg(sweeping.pid, signal.SIGINT)
-    _, errors = sweeping.communicate(timeout=20)
+    _, errors = sweeping.communicate(timeout=600)
     if how == "interrupt the group":
         assert errors.decode().rstrip().endswith("KeyboardInterrupt")
         assert errors.count(b"Traceback") == 1  # the parent's; the workers leave quietly
     assert sweeping.returncode == {"k": -signal.SIGKILL, "i": -signal.SIGINT}[how[0]]
-    assert wait_until(lambda: not living(sweeping.pid), 5.0), living(sweeping.pid)
+    assert wait_until(lambda: not living(sweeping.pid)), living(sweeping.pid)
 
     kept = {row["number"] for row in read_table(tmp_path / "t").done.rows}
     begun = set(logged_runs(tmp_path))
@@ -201,7 +202,7 @@ def test_a_stopped_sweep_keeps_its_rows_leaves_no_process_and_resumes(tmp_path, 
     (tmp_path / "log").unlink()
 
     again = start(tmp_path, long_s=0.05)
-    _, errors = again.communicate(timeout=60)
+    _, errors = again.communicate(timeout=600)
     assert again.returncode == 0, errors
     assert sorted(logged_runs(tmp_path)) == sorted(set(range(COUNT)) - kept)
     found = read_table(tmp_path / "t")
