@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 
 _DISTINCT = (0.25, math.radians(20.0))  # m, rad: manoeuvres nearer to each other are one
 _GLANCE = 5  # part of a quick search spent on looking for a cheaper way with reversing
+_SHUT_IN = 1000  # expansions: an end from which a search has no more may be shut in
 _COMPARED = 33  # places along two manoeuvres that are compared
 
 
@@ -152,7 +153,8 @@ class SearchPlanner:
                     finest = min(finest, rung.scale)
                     if rung.scale <= 0.5**options.refinements:
                         break
-                waiting = _after_exhaustion(waiting, rung, options.quick_budget)
+                is_shut_in = outcome.expansions < _SHUT_IN
+                waiting = _after_exhaustion(waiting, rung, options.quick_budget, is_shut_in)
         return SearchResult(None, self._ending(used, finest), finest < math.inf, used)
 
     def _ending(self, used: dict[str, float], scale: float) -> str:
@@ -206,19 +208,23 @@ def _cheaper(
     return (rung, outcome) if challenger.way is None else (other, challenger)
 
 
-def _after_exhaustion(waiting: list[Rung], rung: Rung, quick: int) -> list[Rung]:
+def _after_exhaustion(waiting: list[Rung], rung: Rung, quick: int, is_shut_in: bool) -> list[Rung]:
     """Return the searches still worth trying after one found nothing more to expand.
 
     The same with more budget is not. In cells of the first size both ends are tried, as a cell is
     entered once and a narrow way may be lost from one end and not from the other; in finer ones
-    the same end comes first: it says soonest whether it is shut in.
+    the same end comes first: it says soonest whether it is shut in. So it does at once where it
+    looks shut in, with next to nothing to expand.
     """
     ends = (rung.from_goal, rung.reversing)
 
     def order(other: Rung) -> tuple[bool, bool, bool]:
-        is_other_end = (other.from_goal, other.reversing) != ends
         is_long = other.budget > 2 * quick
-        return is_long, other.scale < 1.0, is_long and is_other_end
+        is_other_end = is_long and (other.from_goal, other.reversing) != ends
+        is_finer = other.scale < 1.0
+        return (
+            (is_long, is_other_end, is_finer) if is_shut_in else (is_long, is_finer, is_other_end)
+        )
 
     return sorted((r for r in waiting if r.space != rung.space), key=order)
 

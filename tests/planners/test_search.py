@@ -109,6 +109,16 @@ def test_a_door_narrower_than_the_chair_exhausts_the_search():
     assert "search space exhausted at resolution 100.0 mm, 6.00 deg" in plan.reason
 
 
+def test_a_goal_that_is_shut_in_is_told_without_combing_the_rest_of_the_world():
+    """A wall close behind the goal, forward only: nothing leads there from within a metre."""
+    wall = Solid.polygon([[1.4, -0.8], [1.5, -0.8], [1.5, 0.8], [1.4, 0.8]], name="behind")
+    case = scene([-1, 0, 0], [2, 0, 0], wall, bounds=(-2, -2, 5, 2))
+    result = SearchPlanner().search(case)
+    assert result.manoeuvre is None
+    assert result.is_exhausted
+    assert result.statistics["expansions"] < 10_000  # 40,000 more from the start, otherwise
+
+
 def test_a_small_budget_is_said_to_be_spent():
     result = SearchPlanner(SearchOptions(budget=40)).search(doorway(0.71))
     assert result.manoeuvre is None
