@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-PATIENCE = 40.0  # s: a loaded machine that renders without a graphics card
+PATIENCE = 60.0  # s: a loaded machine that renders without a graphics card
 FLAGS = (
     "--headless=new",
     "--no-sandbox",
@@ -132,7 +132,12 @@ class Tab:
         self.until(choice, f"an option {option!r}")
 
     def tick(self, label):
-        self.until(lambda: self.field(label).click() or True, f"a box {label!r}")
+        """Tick a box, if it is not."""
+
+        def is_ticked():
+            return self.field(label).is_selected() or self.field(label).click()
+
+        self.until(is_ticked, f"a box {label!r}")
 
     def type(self, label, text):
         from selenium.webdriver.common.keys import Keys

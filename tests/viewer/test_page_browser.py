@@ -193,9 +193,9 @@ def test_what_the_navigator_knows_and_who_is_in_control_are_shown_and_replayed(
     tab.choose("who drives", "zone navigator")
     tab.click("Drive")
     tab.verdict_with("mm clear, driven")
-    assert "intrusion" in tab.now
-    tab.tick("rays")
-    tab.tick("unknown")
+    tab.until(lambda: "intrusion" in tab.now and len(tab.all(".uplot")) == 3, "its curves")
+    for layer in ("rays", "points", "unknown", "zone"):
+        tab.tick(layer)
     tab.type("time [s]", "9")
     tab.until(lambda: "at 9.00 s\nin control: " in tab.now, "who is in control")
     seen(tab, tmp_path / "page-layers.png")
