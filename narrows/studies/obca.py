@@ -15,7 +15,7 @@ from ..scene import Scene
 from ..se2 import Array
 from .obca_program import HalfPlanes, ObcaProgram, ProgramShape, half_planes
 
-_RESOLVES = 4  # solves after the first that a motion cutting between nodes is given
+_RESOLVES = 6  # solves after the first that a motion cutting between nodes is given
 _EXTRA = 2e-4  # m: asked for beyond what was missing
 _SHORT = 5e-4  # m: of the clearance wanted, not worth another solve
 _CERTIFIED = 2e-4  # m: how far the proven clearance may stay below the true one
