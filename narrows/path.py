@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,6 +16,9 @@ from .errors import ShapeError
 from .se2 import Array, compose, invert, logarithm, wrap
 from .section import Section
 from .twist_section import TwistSection, twist_directions
+
+Joint = Literal["before", "after"]
+"""Which of the two sections that meet in it a joint belongs to."""
 
 JOINT_TOLERANCE = 1e-5
 """Largest gap [m] or bend [rad] between sections: what a solver's tolerance leaves."""
@@ -119,17 +123,19 @@ class Path:
         """Last pose, shape (3,)."""
         return self(self.span)
 
-    def section_index(self, progress: ArrayLike) -> NDArray[np.int64]:
-        """Return the index of the section at progress (...); a joint belongs to the one before."""
+    def section_index(self, progress: ArrayLike, joint: Joint = "before") -> NDArray[np.int64]:
+        """Return the index of the section at progress (...), at a joint of the one asked for."""
         inner = self.section_bounds[1:-1]
-        return np.asarray(np.searchsorted(inner, np.asarray(progress, dtype=float), side="left"))
+        side: Literal["left", "right"] = "left" if joint == "before" else "right"
+        return np.asarray(np.searchsorted(inner, np.asarray(progress, dtype=float), side=side))
 
-    def __call__(self, progress: ArrayLike, order: int = 0) -> Array:
+    def __call__(self, progress: ArrayLike, order: int = 0, *, joint: Joint = "before") -> Array:
         """Return the pose or its derivative by progress.
 
         Args:
             progress: Progress, shape (...); clipped to [0, span].
             order: 0 for the pose [x, y, heading]; 1 and 2 for its derivatives by progress.
+            joint: Whether a joint belongs to the section before or after it.
 
         Returns:
             Shape (..., 3), [m, m, rad] per unit of progress to the order.
@@ -138,6 +144,7 @@ class Path:
             progress,
             lambda section, s: section.evaluate(s, order),
             shift=self._heading_shift if order == 0 else None,
+            joint=joint,
         )
 
     def _by_section(
@@ -145,10 +152,11 @@ class Path:
         progress: ArrayLike,
         function: Callable[[Section, Array], Array],
         shift: Array | None,
+        joint: Joint = "before",
     ) -> Array:
         s = np.clip(np.asarray(progress, dtype=float), 0.0, self.span)
         flat = s.ravel()
-        index = self.section_index(flat)
+        index = self.section_index(flat, joint)
         result = np.empty((len(flat), 3))
         for k in np.unique(index):
             rows = index == k

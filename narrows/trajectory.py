@@ -61,19 +61,16 @@ class Trajectory:
         if (np.diff(t) <= 0.0).any():
             raise ShapeError("times must increase from row to row")
         path = Path.from_poses(rows)
-        lengths = np.concatenate(
-            [
-                np.diff(
-                    section.progress_at(np.arange(section.pieces), np.ones(section.pieces)),
-                    prepend=0.0,
-                )
-                for section in path.sections
-            ]
-        )
+        begins, steps = [], []
+        for section, bound in zip(path.sections, path.section_bounds, strict=False):
+            ends = section.progress_at(np.arange(section.pieces), np.ones(section.pieces))
+            begins.append(bound + np.concatenate([[0.0], ends[:-1]]))
+            steps.append(np.diff(ends, prepend=0.0))
         moved = ~is_repeated(rows)
         step = np.zeros(len(t) - 1)
-        step[moved] = lengths
-        progress = np.concatenate([[0.0], np.cumsum(step)])[:-1]
+        step[moved] = np.concatenate(steps)
+        following = np.searchsorted(np.flatnonzero(moved), np.arange(len(step)))
+        progress = np.append(np.concatenate(begins), path.span)[following]
         speed = step / np.diff(t)
         zeros = np.zeros_like(speed)
         profile = Profile(t - t[0], np.column_stack([progress, speed, zeros, zeros]))
@@ -97,7 +94,8 @@ class Trajectory:
     def __call__(self, time: ArrayLike, order: int = 0) -> Array:
         """Return pose, velocity or acceleration in the world frame.
 
-        By the chain rule: order 1 is p' s', order 2 is p'' s'^2 + p' s''.
+        By the chain rule: order 1 is p' s', order 2 is p'' s'^2 + p' s''. At a joint of the path,
+        derivatives are those of the section that begins there, as the profile's are.
 
         Args:
             time: Times, shape (...), clipped to [0, duration], [s].
@@ -111,10 +109,11 @@ class Trajectory:
             return self.path(s)
         rate = self.profile(time, 1)[..., None]
         if order == 1:
-            return self.path(s, 1) * rate
+            return self.path(s, 1, joint="after") * rate
         if order == 2:
             bend = self.profile(time, 2)[..., None]
-            return np.asarray(self.path(s, 2) * rate**2 + self.path(s, 1) * bend)
+            bent, along = self.path(s, 2, joint="after"), self.path(s, 1, joint="after")
+            return np.asarray(bent * rate**2 + along * bend)
         raise ShapeError(f"the order of a trajectory's derivative is 0, 1 or 2, got {order}")
 
     def command(self, time: ArrayLike) -> Array:
@@ -130,9 +129,7 @@ class Trajectory:
     @cached_property
     def times(self) -> Array:
         """Times of the rows, at most 0.02 s and 0.01 m apart, exact at section ends, (N,), [s]."""
-        ends = self.section_times
-        if self.sampled:
-            ends = np.unique(np.concatenate([ends, self.profile.breaks]))
+        ends = self.profile.breaks if self.sampled else self.section_times
         rows = [np.zeros(1)]
         for start, end in pairwise(ends):
             if end - start <= 1e-12:

@@ -156,6 +156,15 @@ def test_passable_says_what_is_missing(cli_json):
     assert fields["spare_mm"] < 0.0
 
 
+def test_what_is_not_decided_is_not_said_to_lack_anything(cli, tmp_path):
+    scene = tmp_path / "exact.yaml"  # the door is as wide as the chair
+    scene.write_text("vehicle: narrow-arcs\ndoorway: {corridor_width: 1.6, door_width: 0.67}\n")
+    code, out, _ = cli("passable", scene)
+    assert code == 4
+    assert "undecided" in out
+    assert "missing" not in out
+
+
 # verify
 
 

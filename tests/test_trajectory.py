@@ -170,3 +170,13 @@ def test_driving_along_the_heading_does_not_slip_and_sideways_does() -> None:
 def test_orders_beyond_two_are_refused() -> None:
     with pytest.raises(ShapeError, match="0, 1 or 2, got 3"):
         shunting()(0.5, 3)
+
+
+def test_rows_beside_a_turn_on_the_spot_have_the_commands_that_follow_them():
+    """1 m straight in 1 s, 1 rad on the spot in 0.5 s, 1 m straight in 2 s."""
+    far = [1.0 + np.cos(1.0), np.sin(1.0), 1.0]
+    poses = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 0.0, 1.0], far]
+    driven = Trajectory.from_samples([0.0, 1.0, 1.5, 3.5], poses)
+    expected = [[1.0, 0.0], [0.0, 2.0], [0.5, 0.0], [0.5, 0.0]]
+    assert driven.command([0.0, 1.0, 1.5, 3.5]) == pytest.approx(np.array(expected), abs=1e-9)
+    assert np.abs(driven.commands).max(axis=0) == pytest.approx([1.0, 2.0], abs=1e-9)

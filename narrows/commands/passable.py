@@ -38,7 +38,7 @@ def run_passable(scene_file: str, *, picture: str | None = None) -> Outcome:
     text = lines(
         f"{scene.name or scene_file}: {verdict.status.value}",
         f"  {verdict.reason}",
-        "" if spare is None else _room(spare),
+        "" if spare is None or verdict.status is PassageStatus.UNDECIDED else _room(spare),
         "" if where is None else ("narrowest", f"at ({where[0]:.2f}, {where[1]:.2f})"),
         ("decided in", f"{verdict.time_s:.1f} s"),
         ("written", picture) if picture is not None else "",

@@ -81,26 +81,35 @@ def _provisos(scene: Scene) -> list[str]:
 
 
 def _blocked(scene: Scene, decision: Decision, spare: Spare | None, narrowest: Array | None) -> str:
-    network = decision.network
+    """Return where nothing passes, and how much larger than it may be the body is.
+
+    That is for its width and length alike: a door that much wider may not be enough in a turn.
+    """
+    network, place = decision.network, ""
     if not network.start_is_possible:
-        where, fault = "the body does not fit at the start", ", it is {} too large"
+        where = "it does not fit at the start"
     elif not network.goal_is_possible:
-        where, fault = "the body does not fit at the goal", ", it is {} too large"
+        where = "it does not fit at the goal"
     elif narrowest is None:
-        where, fault = "nothing gets through", ", the body is {} too large"
+        where = "nothing gets through"
     else:
-        where, fault = place_name(scene, narrowest), " is {} too narrow"
+        name = place_name(scene, narrowest)
+        where, place = f"it does not fit through {name}", f" for {name}"
+    return f"no motion gets this body from start to goal: {_too_large(where, place, spare)}"
+
+
+def _too_large(where: str, place: str, spare: Spare | None) -> str:
     if spare is None:
-        amount = ""
-    elif spare.limit is Limit.NO_WAY:
-        amount = ", however small the body"
-    elif spare.limit is Limit.UNKNOWN:
-        amount = fault.format(f"at least {-1e3 * spare.refuted:.0f} mm")
+        return where
+    if spare.limit is Limit.NO_WAY:
+        return f"{where}, however small the body"
+    if spare.limit is Limit.UNKNOWN:
+        amount = f"at least {-1e3 * spare.refuted:.0f} mm"
     elif spare.refuted - spare.proven > _MILLIMETRE:
-        amount = fault.format(f"{-1e3 * spare.refuted:.0f} to {-1e3 * spare.proven:.0f} mm")
+        amount = f"{-1e3 * spare.refuted:.0f} to {-1e3 * spare.proven:.0f} mm"
     else:
-        amount = fault.format(f"{-1e3 * spare.proven:.0f} mm")
-    return f"no motion gets this body from start to goal: {where}{amount}"
+        amount = f"{-1e3 * spare.proven:.0f} mm"
+    return f"it is {amount} too large{place}" if place else f"{where}, it is {amount} too large"
 
 
 def place_name(scene: Scene, place: Array) -> str:

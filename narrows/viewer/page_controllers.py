@@ -30,7 +30,6 @@ CONTROLLERS = (ZONE, ASSISTANT, ALONE)
 """Who drives by what it perceives, without a plan to keep to; the last two have a driver."""
 
 _PERIOD = 0.05  # s, of the assistant
-_REACH = 2.5  # m, of the map about the chair
 _CELL = 0.02  # m
 _BAND = (0.025, 0.3)  # m: the scanners' height lies in the one band there is
 _NAVIGATED = 90.0  # s: longest drive of the navigator

@@ -124,7 +124,7 @@ def _draw_narrowest(
 
 def _room(verdict: Verdict) -> str:
     spare = verdict.spare_m
-    if spare is None or not np.isfinite(spare):
+    if spare is None or not np.isfinite(spare) or verdict.status is PassageStatus.UNDECIDED:
         return "the narrowest place"
     if verdict.status is PassageStatus.IMPASSABLE:
         return f"{-1e3 * spare:.0f} mm missing"

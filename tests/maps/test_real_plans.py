@@ -131,7 +131,7 @@ def test_a_door_that_is_too_narrow_is_named_with_what_is_missing():
     row = next(row for row in rows if (row["map"], row["door_or_task"]) == ("duplex_level1", "3"))
     found = plan(scene_of(row, float(row["chair_width"])), time_budget=300.0)
     assert found.status is PlanStatus.IMPASSABLE
-    assert found.reason.endswith("the door at (2.51, -8.13) is 68 mm too narrow")
+    assert found.reason.endswith("it is 68 mm too large for the door at (2.51, -8.13)")
 
 
 @pytest.mark.parametrize("row", drives("must_succeed", WIDENED))

@@ -75,7 +75,7 @@ def test_the_door_that_is_too_narrow_is_impassable_by_twenty_millimetres() -> No
     assert outcome.status is PlanStatus.IMPASSABLE
     assert outcome.path is None
     assert outcome.statistics["missing_mm"] == pytest.approx(20.0, abs=1.0)
-    assert "20 mm too narrow" in outcome.reason
+    assert "20 mm too large for the door" in outcome.reason
 
 
 def test_every_example_has_an_expected_outcome() -> None:
