@@ -21,7 +21,8 @@ class GuardOptions:
         margin: Distance the swept body keeps from points [m]: errors of pose and of motion.
         walking: Speed of somebody who walks [m/s].
         standing: How long the chair stands before somebody who walks can be there [s].
-        trusted_after: A place that has been occupied for so long is taken to be furniture [s].
+        trusted_after: A place that has been occupied for so long is taken to be furniture [s]: long
+            enough for two people who relieve each other on the spot, 3 s each.
             Before, what is there may walk; also a wall just come into view. 0: nobody walks.
         reach: Distance from the body's origin up to which percepts tell of everything [m]. From
             further away somebody may come: a chair that sees less far drives slower.
@@ -40,7 +41,7 @@ class GuardOptions:
     margin: float = 0.03
     walking: float = 1.4
     standing: float = 0.5
-    trusted_after: float = 4.0
+    trusted_after: float = 6.0
     reach: float = 3.0
     oldest: float = 0.3
     margin_known: float = -0.03
