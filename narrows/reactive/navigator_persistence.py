@@ -37,7 +37,7 @@ class PersistenceOptions:
         endurance: Time in which it must come nearer to its target than ever by `stir` [s].
     """
 
-    patience: float = 5.0
+    patience: float = 7.0
     stir: float = 0.1
     backing: float = 0.6
     retreats: int = 6
