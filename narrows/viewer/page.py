@@ -151,7 +151,11 @@ class Page:
 
 
 def _end_connections(loop: asyncio.AbstractEventLoop) -> None:
-    """End what a server does for each of its connections; in the thread of its loop."""
+    """End what a server does for each of its connections; in the thread of its loop.
+
+    What still waits when the loop ends, such as a connection's pulse, is dropped without a word.
+    """
+    loop.set_exception_handler(lambda _, context: _log.debug("dropped: %s", context["message"]))
     for task in asyncio.all_tasks(loop):
         if getattr(task.get_coro(), "__name__", "") == "conn_handler":
             task.cancel()
